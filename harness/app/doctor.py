@@ -15,7 +15,12 @@ from harness.results.common import Check, DoctorResult
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "firefox")
 ALWAYS = ("python", "engine mujoco", "models", "numba cache", "rerun viewer")
 """Checks that must pass; the others are optional, and so are engines that this Python cannot have."""
-_EXTRAS = {"distributed": ("sweeps on a cluster", "cluster"), "rosbags": ("robot logs in ROS bags", "bags")}
+_EXTRAS = {
+    "distributed": ("sweeps on a cluster", "cluster"),
+    "rosbags": ("robot logs in ROS bags", "bags"),
+    "openpyxl": ("recordings in Excel files", "files"),
+    "nptdms": ("recordings in .tdms files", "files"),
+}
 _ELSEWHERE = "python3.11 -m venv ENV; ENV/bin/pip install {0} scipy numba platformdirs; --engine {1}@ENV/bin/python"
 _REMEDY = {name: f"pip install 'friction-harness[{name}]'" for name in ("dart", "rapier", "drake")} | {
     "physx": _ELSEWHERE.format("ovphysx physx-usd-schemas newton-usd-schemas", "physx") + " (NVIDIA's licence)",

@@ -22,12 +22,13 @@ class Chosen:
     """What is read of a table.
 
     mappings : by channel. guessed : channels that no option and no name of the channel's own gives. notes : what else
-    there was to choose.
+    there was to choose. runs : that stand side by side.
     """
 
     mappings: dict[str, Mapping]
     guessed: frozenset[str] = frozenset()
     notes: tuple[str, ...] = ()
+    runs: int = 1
 
 
 def chosen(table: Table, options: ReadOptions) -> Chosen:
@@ -38,7 +39,8 @@ def chosen(table: Table, options: ReadOptions) -> Chosen:
     columns, rate = options.columns, options.rate
     if columns is None:
         found = _by_names(table, rate)
-        found = found if found is not None and options.run is None else _by_score(table, options)
+        if found is None or found.guessed:
+            found = _by_score(table, options) or found or _several(table, options)
     else:
         found = Chosen(parse_columns(columns))
         if "t" not in found.mappings and rate is None and "t" in table.names:
@@ -84,19 +86,20 @@ def _by_names(table: Table, rate: float | None) -> Chosen | None:
     return Chosen(mappings, frozenset(set(found) - own))
 
 
-def _by_score(table: Table, options: ReadOptions) -> Chosen:
+def _by_score(table: Table, options: ReadOptions) -> Chosen | None:
     """The reading that is clearly the best, of the run that is asked for; none where two are nearly as good."""
     runs = runs_of(table, options.rate is None)
-    number = options.run or 1
+    number = (options.run or 1) if len(runs) > 1 else 1
     if number > max(len(runs), 1):
-        raise InputError("--run", f"{number} of {len(runs) or 1}", "a run that the file holds is accepted")
+        found = f"{number} of {len(runs)} in {table.path}"
+        raise InputError("--run", found, "a run that the file holds is accepted")
     readings = runs[number - 1] if runs else []
     if not readings or not readings[0].clear:
-        return _several(table, options)
+        return None
     mappings = parse_columns(readings[0].columns)
     notes = [f"The file holds {len(runs)} runs: run {number} is read, --run N reads another."] if len(runs) > 1 else []
     notes += [f'Next best: --columns "{one.columns}".' for one in readings[1:2]]
-    return Chosen(mappings, frozenset(mappings), tuple(notes))
+    return Chosen(mappings, frozenset(mappings), tuple(notes), len(runs))
 
 
 def _several(table: Table, options: ReadOptions) -> Chosen:

@@ -95,6 +95,8 @@ def _range_of(sizes: FloatArray, others: FloatArray, unit: float) -> float:
 _POINTER = b"version https://git-lfs"
 _MOST_LOST = 0.05
 """Share of the samples that may be left out unasked: rows written twice, a clock set back once, an empty cell."""
+_AGAIN = 0.1
+"""Share of a run's length behind its start up to which the time goes back where another run begins."""
 RrdReader = Callable[[Path], Recording]
 """Reads our own .rrd; passed in, since this room does not know the viewer's library."""
 
@@ -229,10 +231,6 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     dated = counted_from(table, mappings)
     notes: list[str | None] = [said(table, mappings, {c: unit for c, (_, unit) in read.items()}, guessed)]
     notes += [*choice.notes, step]
-    for channel in sorted(guessed & {"v", "a", "u"}):
-        if len(read) > 2 and _still(read[channel][0]):
-            del read[channel]
-            notes.append(f"The column read as {channel} says nothing throughout: left out.")
     asked = options.covariates
     beside = dict(zip(asked, table.read([table.position(name) for name in asked]), strict=True)) if asked else {}
     sizes = {channel: values.size for channel, (values, _) in read.items()}
@@ -257,8 +255,9 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
             t = rows.astype(np.float64) / options.rate
         _check_rows(table, "t", t, rows)
     else:
+        rows, below = _run_below(read["t"][0], rows, options, choice.runs, str(path))
         t, notes_of_t = _stamped(*read["t"], rows, dated)
-        notes += notes_of_t
+        notes += [*below, *notes_of_t]
         _check_rows(table, "t", t, rows)
         t, after, lost = _in_order(table, t, rows)
         t, rows = t[after], rows[after]
@@ -289,6 +288,28 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     )
 
 
+def _run_below(
+    t: FloatArray, rows: IntArray, options: ReadOptions, beside: int, file: str
+) -> tuple[IntArray, list[str | None]]:
+    """The rows of the run that is asked for, where several stand one under another and each begins its time again.
+
+    t : of the file, as it stands. beside : runs that stand side by side.
+    """
+    known = t[rows]
+    back = np.flatnonzero(known[1:] < known[:-1]) + 1
+    starts = [0]
+    for at in back:
+        begun = known[starts[-1]]
+        if at - starts[-1] >= MINIMUM_SAMPLES and known[at] - begun < _AGAIN * (known[at - 1] - begun):
+            starts.append(int(at))
+    runs = np.split(rows, starts[1:])
+    number = 1 if beside > 1 else options.run or 1
+    if number > len(runs):
+        raise InputError("--run", f"{number} of {len(runs)} in {file}", "a run that the file holds is accepted")
+    said = f"The file holds {len(runs)} runs, one under another: run {number} is read, --run N reads another."
+    return runs[number - 1], [said] if len(runs) > 1 else []
+
+
 def _with_own_rate(table: Table, options: ReadOptions) -> tuple[ReadOptions, str | None]:
     """The options, with the rate of a file that says its step in place of times, and the sentence that says so."""
     if table.rate is None or options.rate is not None or "t" in parse_columns(options.columns or "x=#1"):
@@ -310,12 +331,6 @@ def _last_value(columns: Sequence[FloatArray]) -> int:
     """How many samples there are up to the last at which any of the columns (n,) has a value, beside its time."""
     told = np.flatnonzero(~np.all([np.isnan(values) for values in columns], axis=0))
     return int(told[-1]) + 1 if told.size else 0
-
-
-def _still(values: FloatArray) -> bool:
-    """Whether a column says nothing: one value throughout, or none."""
-    told = values[~np.isnan(values)]
-    return told.size == 0 or bool(np.all(told == told[0]))
 
 
 def _angular(units: dict[str, Unit]) -> bool:

@@ -30,7 +30,7 @@ BAGS = (".bag", ".db3", ".mcap")
 def _own(folder: ModuleType, kind: type[K]) -> list[K]:
     """What the files of a folder make of this kind."""
     files = [import_module(f"{folder.__name__}.{found.name}") for found in pkgutil.iter_modules(folder.__path__)]
-    return [one for file in files for one in vars(file).values() if isinstance(one, kind)]
+    return list(dict.fromkeys(one for file in files for one in vars(file).values() if isinstance(one, kind)))
 
 
 @cache

@@ -120,6 +120,7 @@ def _unevenness(one: Column) -> float:
 
 
 def _readings(columns: Sequence[Column], t: Column | None) -> Iterator[Reading]:
+    columns = [one for one in columns if t is None or one.values.size == t.values.size]
     moving = [one for one in (columns if t is None else _with_speeds(columns, t)) if one.channel != "count"]
     clock = [] if t is None else [t.as_channel("t")]
     for leading, clear in _leading(moving):
@@ -229,7 +230,8 @@ def _columns(table: Table) -> Iterator[Column]:
         steps = np.diff(told)
         if _is_count(header, told, steps):
             channel = "count"
-        rises = float(np.mean(steps > 0.0)) >= _RISES or (channel == "t" and float(np.mean(steps >= 0.0)) >= _RISES)
+        onward = float(np.mean(steps >= 0.0 if channel == "t" else steps > 0.0))
+        rises = onward >= _RISES
         if channel in ("", "t") and rises and not unit:
             unit = clock_unit(told)
         if channel == "x" and not unit and name.strip().lower() in ANGLES:

@@ -135,3 +135,22 @@ def table_of_arrays(path: Path, arrays: Mapping[str, Held]) -> ArrayTable:
     if not columns:
         raise InputError(str(path), "no numeric array in it", "vectors t and one or more of x, v, a, u are accepted")
     return ArrayTable(path, columns, units)
+
+
+def on_one_clock(path: Path, signals: Mapping[str, tuple[FloatArray, FloatArray]]) -> ArrayTable:
+    """A table of signals, each with its times (n,), s, and values (n,): at the times of the one that has most of them.
+
+    The others lie on the lines between their own samples, nan where they have none yet or no longer.
+    Raises InputError where there is no signal.
+    """
+    if not signals:
+        raise InputError(str(path), "no signal of numbers in it", "a position, a speed or an acceleration is accepted")
+    t = max((times for times, _ in signals.values()), key=len)
+    columns = {"time [s]": held(t)}
+    for name, (times, values) in signals.items():
+        same = times.size == t.size and bool(np.all(times == t))
+        columns[name] = held(values if same else np.interp(t, times, values, np.nan, np.nan))
+    table = table_of_arrays(path, columns)
+    if any(times.size != t.size or np.any(times != t) for times, _ in signals.values()):
+        table.mended.append("Signals with times of their own are read at those of the one that has most samples.")
+    return table

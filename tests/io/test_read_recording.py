@@ -225,7 +225,15 @@ def test_refused_by_name(tmp_path: Path, case: str) -> None:
 
 
 BROKEN: list[tuple[str, bytes, str]] = [
-    ("a.json", b"{}", "the format .json; text tables, also gzipped (.csv, .txt, "),
+    ("a.json", b"{}", "no table in it; a list of records"),
+    ("b.json", b"{", "not JSON"),
+    ("a.xlsx", b"nothing", "not a workbook"),
+    ("a.zip", b"nothing", "not an archive"),
+    ("a.tdms", b"nothing", "no numeric array in it"),
+    ("a.labx", b"nothing", "not a file of CASSY Lab"),
+    ("a.wpilog", b"nothing", "not a log of WPILib"),
+    ("a.h5", b"nothing", "not an HDF5 file"),
+    ("a.doc", b"nothing", "the format .doc; text tables, also gzipped (.csv, .txt, "),
     ("a.db3", b"", "and our own .rrd are accepted, and a bag of a robot's joints with --robot FILE"),
     ("recording", b"", "the format without a name"),
     ("a.parquet", b"nothing", "not a Parquet file"),

@@ -3,11 +3,16 @@
 Each writer gets a folder, the motion and a generator, and gives the file and what is wanted of it, in SI.
 """
 
+import json
+import struct
+import zipfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+import h5py
 import numpy as np
+import scipy.io
 
 Wanted = Mapping[str, np.ndarray]
 
@@ -271,12 +276,156 @@ def water_pendulum(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[P
     }
 
 
+def phyphox_zip(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    text, wanted = phyphox_gyroscope(folder, m, rng)
+    path = folder / "Gyroscope.zip"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.write(text, "Raw Data.csv")
+        archive.writestr("meta/device.csv", '"property","value"\n"version","1.1.11"\n')
+        archive.writestr("meta/time.csv", '"event","experiment time"\n"START",0.0E0\n"PAUSE",3.1E1\n')
+    return path, wanted
+
+
+def phyphox_excel(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    import openpyxl
+
+    book, axes = openpyxl.Workbook(), _axes(m.v, rng)
+    sheet = book.active
+    assert sheet is not None
+    sheet.title = "Raw Data"
+    sheet.append(["Time (s)", *(f"Gyroscope {c} (rad/s)" for c in "xyz"), "Absolute (rad/s)"])
+    for row in zip(m.t, *axes, strict=True):
+        sheet.append([float(v) for v in row])
+    about = book.create_sheet("Metadata Device")
+    about.append(["property", "value"])
+    about.append(["deviceModel", "XQ-BC52"])
+    book.save(folder / "Gyroscope.xlsx")
+    return folder / "Gyroscope.xlsx", {"t": m.t, "v": axes[1]}
+
+
+def excel_by_hand(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """A title, an empty row, names, units, numbers, a remark beside them."""
+    import openpyxl
+
+    book = openpyxl.Workbook()
+    sheet = book.active
+    assert sheet is not None
+    for row in (["Experiment 3"], [], ["Zeit", "Winkel", "T"], ["s", "°", "°C"]):
+        sheet.append(row)
+    for t, x in zip(m.t, np.rad2deg(m.x), strict=True):
+        sheet.append([float(t), float(x), 21.5])
+    book.save(folder / "a.xlsx")
+    return folder / "a.xlsx", {"t": m.t, "x": m.x}
+
+
+def labx(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    def channel(quantity: str, symbol: str, unit: str, y: np.ndarray) -> str:
+        values = "".join(f"<value>{v:.9g}</value>" for v in y)
+        about = f"<quantity>{quantity}</quantity><symbol>{symbol}</symbol><unit>{unit}</unit>"
+        return f'<channel>{about}<values count="{y.size}">{values}</values></channel>'
+
+    count = channel("Index", "n", "", np.arange(1.0, m.t.size + 1.0))
+    body = count + channel("Zeit", "t", "s", m.t) + channel("Weg", "s_A1", "mm", 1e3 * m.x)
+    head = '<?xml version="1.0" encoding="utf-8"?><cassylab version="2.0"><allchannels count="1"><channels count="3">'
+    return lines(folder / "a.labx", f"{head}{body}</channels></allchannels></cassylab>"), {"t": m.t, "x": m.x}
+
+
+def wpilog(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Entries of a drive, and a battery's voltage ten times slower; cut short in the middle of a record."""
+
+    def record(entry: int, us: int, payload: bytes) -> bytes:
+        return bytes([0b0111_00_00 | (1 << 2)]) + struct.pack("<BHQ", entry, len(payload), us) + payload
+
+    def start(entry: int, name: str, kind: str) -> bytes:
+        texts = b"".join(struct.pack("<I", len(one)) + one.encode() for one in (name, kind, ""))
+        return record(0, 0, b"\x00" + struct.pack("<I", entry) + texts)
+
+    data = b"WPILOG" + struct.pack("<HI", 0x0100, 0)
+    for entry, name in enumerate(("/arm/position", "/arm/velocity", "/battery"), 1):
+        data += start(entry, name, "double")
+    for k, t in enumerate(m.t):
+        us = round(1e6 * t) + 4_000_000
+        data += record(1, us, struct.pack("<d", m.x[k])) + record(2, us, struct.pack("<d", m.v[k]))
+        data += record(3, us, struct.pack("<d", 12.0 + 0.01 * rng.standard_normal())) if k % 10 == 0 else b""
+    (folder / "FRC.wpilog").write_bytes(data + data[-20:-4])
+    return folder / "FRC.wpilog", {"t": m.t, "x": m.x, "v": m.v}
+
+
+def tdms(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    from nptdms import ChannelObject, TdmsWriter
+
+    about = {"wf_increment": float(m.t[1]), "wf_start_offset": 0.0}
+    with TdmsWriter(str(folder / "a.tdms")) as file:
+        file.write_segment(
+            [
+                ChannelObject("Measured", "Displacement", 1e3 * m.x, {**about, "unit_string": "mm"}),
+                ChannelObject("Measured", "Accelerometer", m.a / 9.80665, {**about, "unit_string": "g"}),
+            ]
+        )
+    return folder / "a.tdms", {"t": m.t, "x": m.x, "a": m.a}
+
+
+def matlab_rows(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    scipy.io.savemat(folder / "a.mat", {"Fe": {"Out": {"Time": m.t, "Acc": np.stack([0.1 * m.a, m.a])}}})
+    return folder / "a.mat", {"t": m.t, "a": m.a}
+
+
+def matlab_trials(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    trial = np.zeros(2, dtype=[("time", object), ("theta", object)])
+    for k in range(2):
+        trial[k]["time"], trial[k]["theta"] = m.t[: m.t.size - 50 * k], m.x[: m.t.size - 50 * k]
+    scipy.io.savemat(folder / "a.mat", {"trial": trial, "fs": 100.0})
+    return folder / "a.mat", {"t": m.t, "x": m.x}
+
+
+def simulink(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    signals = {"values": m.x[:, None], "dimensions": 1.0, "label": "angle"}
+    scipy.io.savemat(folder / "a.mat", {"simout": {"time": m.t[:, None], "signals": signals, "blockName": "m/To"}})
+    return folder / "a.mat", {"t": m.t, "x": m.x}
+
+
+def hdf5(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    with h5py.File(folder / "a.h5", "w") as file:
+        for name, unit, values in (
+            ("time", "ms", 1e3 * m.t),
+            ("angle", "deg", np.rad2deg(m.x)),
+            ("rate", "deg/s", np.rad2deg(m.v)),
+        ):
+            file[f"run/{name}"] = values
+            file[f"run/{name}"].attrs["units"] = unit
+    return folder / "a.h5", {"t": m.t, "x": m.x, "v": m.v}
+
+
+def json_lines(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    rows = zip(m.t, m.x, m.v, strict=True)
+    said = [json.dumps({"ts": 1.7e9 + t, "joint": {"pos_rad": x, "vel_rad_s": v}, "ok": True}) for t, x, v in rows]
+    return lines(folder / "log.jsonl", *said), {"t": m.t, "x": m.x, "v": m.v}
+
+
+def json_entries(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    rows = zip(m.t, m.x, m.v, strict=True)
+    entries = [{"position": x, "speed": v, "temp": 29, "timestamp": t, "goal_position": np.cos(t)} for t, x, v in rows]
+    path = folder / "log.json"
+    path.write_text(json.dumps({"mass": 0.49, "motor": "xl330", "entries": entries}))
+    return path, {"t": m.t, "x": m.x, "v": m.v}
+
+
+def runs_below(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Runs one under another: each begins at nought again."""
+    half = m.t.size // 2
+    t, x = np.concatenate([m.t, m.t[:half]]), np.concatenate([m.x, 0.8 * m.x[:half]])
+    run = np.repeat([1.0, 2.0], [m.t.size, half])
+    return lines(folder / "runs.csv", "trial,time [s],pos [m]", *rows(",", run, t, x)), {"t": m.t, "x": m.x}
+
+
 Writer = Callable[[Path, Motion, np.random.Generator], tuple[Path, Wanted]]
 WRITERS: dict[str, Writer] = {
     one.__name__: one
     for one in (
         phyphox_gyroscope, phyphox_german, vernier_runs, graphical_analysis, logger_pro_latest, logger_pro_text,
         capstone, arduino_banner, arduino_monitor, arduino_plotter, labview, labview_by_step, cassy, tracker,
-        odrive, picoscope, mujoco, microcontroller, rig, languages, water_pendulum,
+        odrive, picoscope, mujoco, microcontroller, rig, languages, water_pendulum, phyphox_zip,
+        phyphox_excel, excel_by_hand, labx, wpilog, tdms, matlab_rows, matlab_trials, simulink, hdf5, json_lines,
+        json_entries, runs_below,
     )
 }  # fmt: skip

@@ -1,4 +1,4 @@
-"""Tables in binary files: Parquet, MATLAB .mat from v4 to 7.3, NumPy .npz. Nothing is read but what is asked for.
+"""Tables in binary files: Parquet, HDF5, MATLAB .mat from v4 to 7.3, NumPy .npz. Nothing is read but what is asked for.
 
 These readers run in a process of their own (harness.core.apart), where whatever a library does with damaged bytes ends.
 """
@@ -115,18 +115,24 @@ def _is_list(kind: Any) -> bool:
 
 
 def _flatten(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:
-    """Fields of MATLAB structs as dotted names."""
+    """Fields of MATLAB structs as dotted names, structs of an array by their numbers."""
     from scipy.io.matlab import mat_struct
 
     if isinstance(value, mat_struct):
         for field in value._fieldnames:
             yield from _flatten(f"{prefix}.{field}", getattr(value, field))
+    elif isinstance(value, np.ndarray) and value.dtype == object:
+        for number, one in enumerate(value.ravel(), 1):
+            yield from _flatten(f"{prefix}{number}", one)
     else:
         yield prefix, value
 
 
-def _hdf5_arrays(path: Path) -> dict[str, Held]:
-    """Numeric data sets of a MATLAB 7.3 file, groups as dotted names; MATLAB stores the transpose."""
+def _hdf5_arrays(path: Path, matlab: bool = True) -> dict[str, Held]:
+    """Numeric data sets of a file, groups as dotted names, with units that their attributes say.
+
+    matlab : of MATLAB 7.3, which stores the transpose.
+    """
     import h5py
 
     arrays: dict[str, Held] = {}
@@ -137,23 +143,38 @@ def _hdf5_arrays(path: Path) -> dict[str, Held]:
         kind = item.attrs.get("MATLAB_class", b"")
         if isinstance(kind, bytes) and kind in (b"char", b"cell"):
             return
-        key = name.replace("/", ".")
-        arrays[key] = Held(tuple(item.shape or ())[::-1], item.dtype, partial(_hdf5_array, path, name))
+        unit = next((one for word in ("unit", "units") if isinstance(one := item.attrs.get(word), str)), "")
+        key, shape = name.replace("/", "."), tuple(item.shape or ())
+        for part in item.dtype.names or ("",):
+            label = ".".join(filter(None, (key, part))) + (f" [{unit}]" if unit else "")
+            kind = item.dtype[part] if part else item.dtype
+            arrays[label] = Held(shape[::-1] if matlab else shape, kind, partial(_hdf5_array, path, name, part, matlab))
 
     with h5py.File(path, "r") as file:
         file.visititems(visit)
     return arrays
 
 
-def _hdf5_array(path: Path, name: str) -> Any:
-    """One data set. Raises InputError for one whose numbers are those of another file of this machine."""
+def _hdf5_array(path: Path, name: str, part: str, matlab: bool) -> Any:
+    """One data set, or a field of its records. Raises InputError for one whose numbers are those of another file."""
     import h5py
 
     with h5py.File(path, "r") as file:
         item = file[name]
         if item.external or item.is_virtual:
             raise InputError(f"{path}: {name}", "kept in another file", "a data set kept in this file is accepted")
-        return np.asarray(item[()]).T
+        values = np.asarray(item[()])[part] if part else np.asarray(item[()])
+        return values.T if matlab else values
+
+
+def open_hdf5(path: Path) -> ArrayTable:
+    """Open an HDF5 file."""
+    try:
+        return table_of_arrays(path, _hdf5_arrays(path, matlab=False))
+    except (InputError, MemoryError):
+        raise
+    except Exception as error:  # HDF5's parser raises whatever the broken bytes lead it to
+        raise InputError(str(path), f"not an HDF5 file ({error})", "a whole HDF5 file is accepted") from None
 
 
 def open_mat(path: Path) -> ArrayTable:
@@ -172,6 +193,9 @@ def open_mat(path: Path) -> ArrayTable:
         raise
     except Exception as error:  # SciPy's and HDF5's parsers raise whatever the broken bytes lead them to
         raise InputError(str(path), f"not a MATLAB file ({error})", accepted) from None
+    if any("MatlabOpaque" in type(value).__name__ or value is None for value in content.values()):
+        found, accepted = "a MATLAB table or timetable", "saved by s = table2struct(T,'ToScalar',true) it is accepted"
+        raise InputError(str(path), found, accepted)
     arrays = {k: v for key, value in content.items() if not key.startswith("__") for k, v in _flatten(key, value)}
     return table_of_arrays(path, {name: held(value) for name, value in arrays.items()})
 
@@ -215,6 +239,7 @@ def _npy_array(path: Path, name: str) -> Any:
         return archive[name]
 
 
+HDF5 = Reader(name="HDF5", suffixes=(".h5", ".hdf5", ".hdf"), open=open_hdf5)
 MAT = Reader(name="MATLAB", suffixes=(".mat",), open=open_mat)
 NPZ = Reader(name="NumPy", suffixes=(".npz",), open=open_npz)
 PARQUET = Reader(name="Parquet", suffixes=(".parquet", ".pq"), open=ParquetTable)

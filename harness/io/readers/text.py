@@ -143,7 +143,8 @@ def _preamble(path: Path, lines: Sequence[tuple[int, str]], separator: str, deci
     begin, is_row = len(rows), _is_all_numbers if mixed else _has_number
     while begin > 0 and len(rows[begin - 1]) == width and is_row(rows[begin - 1], decimal):
         begin -= 1
-    if (not mixed and width in (len(rows[0]), len(of_names(0)))) or len(rows) - begin < _ROWS:
+    title = width > 1 and sum(map(bool, rows[0])) == 1  # alone in its line, as a spreadsheet's heading is
+    if (not mixed and not title and width in (len(rows[0]), len(of_names(0)))) or len(rows) - begin < _ROWS:
         return 0
     above = [i for i in (begin - 1, begin - 2) if i >= 0 and len(of_names(i)) == width]
     channels = [i for i in above if candidates([split_header(name)[0] for name in of_names(i)])]
@@ -190,14 +191,18 @@ def _decode(raw: bytes | bytearray) -> str:
 
 
 def _bytes(path: Path) -> bytes | bytearray:
-    """The content, unpacked, its lines ended by a line feed whatever system wrote them."""
+    """The content, unpacked."""
     try:
         with path.open("rb") as file:
             packed = file.read(2) == b"\x1f\x8b"
             file.seek(0)
-            data = unpacked(path, file) if packed else read_bytes(path)
+            return unpacked(path, file) if packed else read_bytes(path)
     except OSError as error:
         raise InputError(str(path), error.strerror or "unreadable", "a file that can be read is accepted") from None
+
+
+def _lines(path: Path, data: bytes | bytearray) -> bytes | bytearray:
+    """A text in UTF-8, its lines ended by a line feed whatever system wrote them."""
     if data[:2] in _UTF_16:  # spreadsheets save "Unicode text" so
         try:
             data = data.decode("utf-16").encode("utf-8")
@@ -225,8 +230,9 @@ def _single_blanks(data: bytes | bytearray) -> bytes:
 class TextTable(Table):
     """A text table, kept as bytes until its columns are asked for."""
 
-    def __init__(self, path: Path, skip_rows: int = 0) -> None:
-        self._data = _bytes(path)
+    def __init__(self, path: Path, skip_rows: int = 0, data: bytes | None = None) -> None:
+        """data : of a table that lies within the file."""
+        self._data = _lines(path, _bytes(path) if data is None else data)
         head = None if skip_rows else _known(self._data)
         if head is not None and head.plain is not None:
             self._data = "\n".join(map(head.plain, _decode(self._data).split("\n"))).encode()

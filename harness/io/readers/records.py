@@ -1,0 +1,67 @@
+"""JSON and JSON lines: a list of records, or lists by name, wherever in the document the longest stands."""
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from harness.core.bounded import read_bytes
+from harness.core.errors import InputError
+from harness.io.reader import Reader
+from harness.io.table import ArrayTable, held, table_of_arrays
+
+_MOST_NAMES = 256
+"""Columns that are made of records."""
+_ACCEPTED = "a list of records, or lists of numbers by name, are accepted"
+
+
+def open_json(path: Path) -> ArrayTable:
+    """The columns of a document. Raises InputError for what is no JSON, or holds no table."""
+    data = read_bytes(path)
+    try:
+        text = data.decode("utf-8-sig")
+        lines = path.suffix.lower() != ".json"
+        content = [json.loads(line) for line in text.splitlines() if line.strip()] if lines else json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise InputError(str(path), f"not JSON ({error})", _ACCEPTED) from None
+    best = max(_tables(content), key=lambda one: max(map(len, one.values())), default={})
+    if not best:
+        raise InputError(str(path), "no table in it", _ACCEPTED)
+    return table_of_arrays(path, {name: held(np.asarray(values, dtype=np.float64)) for name, values in best.items()})
+
+
+def _tables(content: Any) -> Iterator[Mapping[str, Sequence[float]]]:
+    """Columns by name, of everything in a document that is a table."""
+    if isinstance(content, dict):
+        lists = {str(k): v for k, v in content.items() if isinstance(v, list) and v and all(map(_is_number, v))}
+        if lists:
+            yield {name: [_number(v) for v in values] for name, values in lists.items()}
+        for value in content.values():
+            yield from _tables(value)
+    elif isinstance(content, list) and content and all(isinstance(one, dict | list) for one in content):
+        flat = [dict(_flat("", one)) for one in content]
+        names = list(dict.fromkeys(name for one in flat for name in one))[:_MOST_NAMES]
+        if names:
+            yield {name: [_number(one.get(name)) for one in flat] for name in names}
+
+
+def _flat(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:
+    """Numbers of a record by their names, those within it behind a point."""
+    inside = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, one in inside:
+        yield from _flat(f"{prefix}.{key}" if prefix else str(key), one)
+    if _is_number(value) and value is not None:
+        yield prefix, value
+
+
+def _is_number(value: Any) -> bool:
+    return value is None or (isinstance(value, int | float) and not isinstance(value, bool))
+
+
+def _number(value: Any) -> float:
+    return float("nan") if value is None else float(value)
+
+
+JSON = Reader(name="JSON", suffixes=(".json", ".jsonl", ".ndjson"), open=open_json)
