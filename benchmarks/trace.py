@@ -13,7 +13,7 @@ from harness.core.events import Events
 from harness.core.scenario import FREE_DECAY
 from harness.core.trajectory import Source, Trajectory
 from harness.exact.decay import free_decay
-from harness.show.report.run_scene import run_scene
+from harness.show.report.motion import run_scene
 from harness.show.stored import read_trace
 from harness.show.trace import write_trace
 

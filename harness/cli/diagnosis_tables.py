@@ -4,8 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from harness.cli.output import figure, say, say_all, say_as_it_is, say_paste, with_error
-from harness.cli.tables import show_rows
+from harness.cli.output import figure, say, say_all, say_as_it_is, say_paste, show_rows, with_error
 
 if TYPE_CHECKING:
     from harness.app.diagnose.many import Many

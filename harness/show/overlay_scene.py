@@ -10,9 +10,8 @@ from harness.core.errors import InputError
 from harness.core.trajectory import Trajectory
 from harness.show import scene as s
 from harness.show.blocks import Figure
-from harness.show.decimate import position_error
 from harness.show.numbers import REFERENCE, SLIDES, TURNS, of_engines, of_names, units_of
-from harness.show.plots import ANGLES, CHANNELS, Trace, axes, curve, per
+from harness.show.plots import ANGLES, CHANNELS, Trace, axes, curve, per, position_error
 from harness.show.stored import StoredTrace
 
 _DRAWN = ("x", "v", "a")

@@ -1,19 +1,100 @@
-"""What a .rrd of ours holds, read in a process of its own: nothing here imports rerun."""
+"""What a .rrd of ours holds, read in a process of its own: nothing here imports rerun.
+
+And what is shown of a robot besides a diagnosis, which a trace keeps too.
+"""
 
 import os
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple, final
+
+import numpy as np
+from numpy.typing import NDArray
 
 from harness.core.apart import read_apart
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
-from harness.core.trajectory import Trajectory
+from harness.core.robot.bodies import Bodies
+from harness.core.trajectory import Source, Trajectory
 from harness.show.pack import recording_of, trajectory_of
-from harness.show.shown import HELD, LEFT, MOTION, SWING
+
+Left = Mapping[str, NDArray[np.float64]]
+"""By joint: t, q, v, torque left by the base and by the model, (m, 5)."""
+BEFORE, AFTER = "#e4632d", "#2b7fd6"
+BEFORE_NAME, AFTER_NAME = "viscous and Coulomb", "with what is named"
+LEFT, MOTION, HELD, SWING = "left", "motion", "held", "swing"
+"""Of what a trace keeps under these names."""
+_MEANS = 48
+_BEFORE, _AFTER, _INSIDE = "before", "after", "inside"
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """A joint in an engine, driven by its log's torque.
+
+    t (m,) : s. logged, before, after (m,) : rad or m, as logged, by the model's file and by the copy; nan between
+    windows.
+    """
+
+    engine: str
+    t: FloatArray
+    logged: FloatArray
+    before: FloatArray
+    after: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """left : torque that is left of joints. motions : one an engine. bodies : the robot, None where a page is made
+    again of a trace, which shows it."""
+
+    left: Left
+    motions: tuple[Motion, ...] = ()
+    bodies: Bodies | None = None
+
+
+def binned(rows: NDArray[np.float64], column: int) -> FloatArray:
+    """Means of the rows over stretches of one column that hold equally many, by it."""
+    ordered = rows[np.argsort(rows[:, column])]
+    return np.array([part.mean(axis=0) for part in np.array_split(ordered, min(_MEANS, len(rows)))])
+
+
+def moved_in(unit: str) -> str:
+    """Unit of the position of a joint whose torque has this one: N m of a hinge, N of a slide."""
+    return "rad" if "m" in unit else "m"
+
+
+def parts_of(shown: Shown) -> dict[str, list[Trajectory]]:
+    """As a trace keeps it: one motion a joint or an engine, named after it."""
+    left = []
+    for joint, rows in shown.left.items():
+        t, q, v, before, after = rows.T
+        left.append(Trajectory(t, q, v, np.zeros_like(t), Source(joint), extra={_BEFORE: before, _AFTER: after}))
+    motions = []
+    for motion in shown.motions:
+        inside = np.isfinite(motion.before) & np.isfinite(motion.after)
+        extra = {name: np.where(inside, y, 0.0) for name, y in ((_BEFORE, motion.before), (_AFTER, motion.after))}
+        extra[_INSIDE] = inside.astype(np.float64)
+        still = np.zeros_like(motion.t)
+        motions.append(Trajectory(motion.t, motion.logged, still, still, Source(motion.engine), extra=extra))
+    return {LEFT: left, MOTION: motions}
+
+
+def unpacked(left: Iterable[Trajectory], motions: Iterable[Trajectory]) -> Shown:
+    """What ``parts_of`` was given. Raises LookupError for what is something else."""
+    rows = {
+        one.source.name: np.column_stack((one.t, one.x, one.v, one.extra[_BEFORE], one.extra[_AFTER])) for one in left
+    }
+    found = []
+    for one in motions:
+        before, after = (np.where(one.extra[_INSIDE] > 0.0, one.extra[n], np.nan) for n in (_BEFORE, _AFTER))
+        found.append(Motion(one.source.name, one.t, one.x, before, after))
+    return Shown(rows, tuple(found))
+
 
 _PIECE = 1 << 20
 
@@ -78,7 +159,7 @@ ACCEPTED = "a whole .rrd written by this program is accepted"
 class StoredTrace(NamedTuple):
     """What a .rrd of ours holds: trajectories (the first is the reference), named properties, recordings.
 
-    robot : of a robot's joints, by the names of harness.show.shown.
+    robot : of a robot's joints, by the names of harness.show.stored.
     """
 
     trajectories: list[Trajectory]

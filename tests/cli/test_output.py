@@ -9,8 +9,7 @@ import pytest
 from rich.table import Table
 
 from harness.app.report.view import viewer_command
-from harness.cli.output import line_width, say, say_as_it_is, with_error, wrapped
-from harness.cli.tables import show
+from harness.cli.output import line_width, say, say_as_it_is, show, with_error, wrapped
 from harness.results.common import P
 
 

@@ -25,7 +25,7 @@ from harness.io.columns import parse_columns
 from harness.io.options import ReadOptions
 from harness.io.units import parse_unit, split_header
 from harness.model.document import from_document, to_document
-from harness.show.report.run_scene import run_scene
+from harness.show.report.motion import run_scene
 from harness.show.trace import write_trace
 
 HANG_S = 5.0

@@ -15,8 +15,7 @@ from harness.core.errors import InputError, SimulationError
 from harness.proof.engine_source import ENGINE_KINDS, ENGINES, EngineName, Task, draw_engine, engine_motion
 from harness.proof.plant.base import Base, draw_decay
 from harness.proof.plant.base_fit import Seen, decay_motion, fit_decay, fit_simulated, replayed, whiten
-from harness.proof.plant.cases import Case, draw, truth
-from harness.proof.plant.decrement import decrement
+from harness.proof.plant.cases import Case, decrement, draw, truth
 from harness.proof.plant.effects import ALIENS, KINDS
 from harness.proof.plant.hidden import Noise, build, regions
 from harness.proof.plant.integrate import simulate

@@ -70,7 +70,7 @@ def urdf() -> Path:
 def trace_file(
     tmp_path_factory: pytest.TempPathFactory, sources: list[Trajectory], run_result: RunResult, urdf: Path
 ) -> Path:
-    from harness.show.report.run_scene import run_scene
+    from harness.show.report.motion import run_scene
     from harness.show.trace import write_trace
 
     path = tmp_path_factory.mktemp("trace") / "trace.rrd"

@@ -26,11 +26,10 @@ from harness.results.identify import IdentifyResult
 from harness.results.run import RunResult
 from harness.show import scene, screenshot
 from harness.show.blocks import Figure
-from harness.show.decimate import keep, position_at, position_error, reversal_times
 from harness.show.pack import pack, unpack
-from harness.show.plots import axes, curve, thinned
+from harness.show.plots import axes, curve, keep, position_at, position_error, reversal_times, thinned
 from harness.show.report.identify import recording_scene
-from harness.show.report.run_scene import run_scene
+from harness.show.report.motion import run_scene
 from harness.show.stored import poured, read_trace
 from harness.show.trace import DRAWN, write_trace
 
@@ -172,7 +171,7 @@ def test_a_folder_that_is_not_there_is_said_and_nothing_is_left(tmp_path: Path, 
 
 def test_the_page_and_the_scene_do_not_load_the_viewer() -> None:
     code = (
-        "import sys; import harness.show.report.run_scene, harness.show.overlay_scene, harness.show.report.run, "
+        "import sys; import harness.show.report.motion, harness.show.overlay_scene, harness.show.report.run, "
         "harness.show.report.identify, harness.show.report.page, harness.show.screenshot; "
         "sys.exit('rerun' in sys.modules)"
     )

@@ -28,7 +28,7 @@ from harness.robot.paste import JointPaste, copies
 from harness.robot.pictured import pictured
 from harness.robot.replay.replay import MUJOCO, PYBULLET, replayed
 from harness.show.report.robot import match_page
-from harness.show.shown import Left, Motion, Shown
+from harness.show.stored import Left, Motion, Shown
 
 LOGGER = logging.getLogger(__name__)
 _WHY = "the log does not go together with the model"

@@ -42,7 +42,7 @@ from harness.results.diagnosis import (
     SurfaceResult,
     TableResult,
 )
-from harness.show.shown import Shown
+from harness.show.stored import Shown
 
 STEPS = 4
 """Of a diagnosis, as progress counts them."""

@@ -22,8 +22,7 @@ from harness.show.report.identify import identify_page
 from harness.show.report.page import write_report
 from harness.show.report.robot import arm_page, joint_page
 from harness.show.report.run import run_page
-from harness.show.shown import HELD, LEFT, MOTION, SWING, unpacked
-from harness.show.stored import StoredTrace, read_trace
+from harness.show.stored import HELD, LEFT, MOTION, SWING, StoredTrace, read_trace, unpacked
 
 PAGE = "report.html"
 Shown: TypeAlias = RunResult | IdentifyResult | DiagnosisResult | CompareResult | JointRunResult

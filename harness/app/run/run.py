@@ -28,8 +28,8 @@ from harness.results.common import P
 from harness.results.run import Metrics, RunResult, TraceResult
 from harness.robot.own_model import is_own, own_model
 from harness.show.numbers import heading
+from harness.show.report.motion import run_scene
 from harness.show.report.run import metrics_shown, run_page
-from harness.show.report.run_scene import run_scene
 from harness.show.scene import notes_of
 
 LOGGER = logging.getLogger(__name__)

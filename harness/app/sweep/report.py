@@ -18,8 +18,8 @@ from harness.fidelity.row import Spec, describe, measure_row, scenario_of, task
 from harness.fidelity.scores import Card, badness, cards, settings_of
 from harness.io.store import write_text
 from harness.show.blocks import Page
+from harness.show.report.motion import run_scene
 from harness.show.report.page import made_with, write_report
-from harness.show.report.run_scene import run_scene
 from harness.show.report.sweep import Worst, sweep_sections
 from harness.show.sentences.sweep import percent
 from harness.show.stored import read_trace

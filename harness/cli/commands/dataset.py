@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import PATH, jobs_option, output_options
-from harness.cli.output import Output, figure, say, say_all, say_as_it_is, this_line
-from harness.cli.tables import show_rows
+from harness.cli.output import Output, figure, say, say_all, say_as_it_is, show_rows, this_line
 from harness.core.errors import InputError
 
 if TYPE_CHECKING:

@@ -3,8 +3,7 @@
 import click
 
 from harness.cli.options import json_options
-from harness.cli.output import Output
-from harness.cli.tables import show_rows
+from harness.cli.output import Output, show_rows
 
 
 @click.command(short_help="Versions, engines, viewer, browser, cache: what works and what does not.")

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from harness.cli.options import PATH, output_options, reading_options, trace_option
-from harness.cli.output import Output, say, say_all, say_as_it_is, this_line, with_error
-from harness.cli.tables import show_rows
+from harness.cli.output import Output, say, say_all, say_as_it_is, show_rows, this_line, with_error
 from harness.core.bounded import check_file
 
 if TYPE_CHECKING:

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from harness.cli.options import PATH, json_options, log_options
-from harness.cli.output import Output, figure, say, say_all
-from harness.cli.tables import show_rows
+from harness.cli.output import Output, figure, say, say_all, show_rows
 from harness.core.errors import InputError
 
 if TYPE_CHECKING:

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import PATH, cluster_option, jobs_option, output_options, refuse
-from harness.cli.output import Output, figure, say, say_all, this_line
-from harness.cli.tables import show_rows
+from harness.cli.output import Output, figure, say, say_all, show_rows, this_line
 from harness.core.errors import InputError
 
 if TYPE_CHECKING:

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import PATH, engines_option, jobs_option, json_options
-from harness.cli.output import Output, figure, say, say_all
-from harness.cli.tables import show_rows
+from harness.cli.output import Output, figure, say, say_all, show_rows
 from harness.core.bounded import check_file
 from harness.core.errors import InputError
 

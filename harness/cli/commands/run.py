@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import PATH, Joint, engines_option, output_options, robot_options
-from harness.cli.output import Output, say, say_all, say_as_it_is, say_left_out, say_paste, this_line
-from harness.cli.tables import show_rows
+from harness.cli.output import Output, say, say_all, say_as_it_is, say_left_out, say_paste, show_rows, this_line
 from harness.core.bounded import check_file
 from harness.core.errors import InputError
 

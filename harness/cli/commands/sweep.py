@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from harness.cli.options import cluster_option, engines_option, jobs_option, output_options
-from harness.cli.output import Output, say, say_all, say_as_it_is, this_line
-from harness.cli.tables import show_rows
+from harness.cli.output import Output, say, say_all, say_as_it_is, show_rows, this_line
 
 if TYPE_CHECKING:
     from harness.app.sweep.sweep import Sweep

@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.options import Joint, json_options, robot_options
-from harness.cli.output import Output, figure, say, say_as_it_is
-from harness.cli.tables import show_rows
+from harness.cli.output import Output, figure, say, say_as_it_is, show_rows
 from harness.core.errors import InputError
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ import numpy as np
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import SimulationError
 from harness.proof.baselines.regression import Recording, period_of, refusal
-from harness.proof.plant.decrement import decrement
+from harness.proof.plant.cases import decrement
 
 STEP = 0.01
 """Longest step times the frequency."""

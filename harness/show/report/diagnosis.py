@@ -25,7 +25,7 @@ from harness.show.report.identify import samples_of
 from harness.show.report.page import made_with
 from harness.show.report.robot import fleet_sections, joint_beside
 from harness.show.report.run import settings_of
-from harness.show.shown import Shown
+from harness.show.stored import Shown
 
 Answer: TypeAlias = DiagnosisResult | FailedDiagnosis
 VERDICTS = {

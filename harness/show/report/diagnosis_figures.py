@@ -13,7 +13,6 @@ from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.results.diagnosis import AttributionResult, DiagnosisResult, SurfaceResult, TableResult
 from harness.show.blocks import Block, Column, Figure, Folded, Section, Text, tabulated
-from harness.show.decimate import reversal_times
 from harness.show.numbers import NONE, number
 from harness.show.plots import (
     ANGLES,
@@ -27,6 +26,7 @@ from harness.show.plots import (
     orbit,
     per,
     plain,
+    reversal_times,
     shades,
     upright_lines,
     zoom,

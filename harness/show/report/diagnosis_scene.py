@@ -12,7 +12,7 @@ from harness.show import scene as s
 from harness.show.report.diagnosis import gained, said, to_change
 from harness.show.report.diagnosis_figures import BEFORE, Curves, shaded_spans
 from harness.show.report.robot_scene import robot_view, torque_tabs
-from harness.show.shown import Shown, parts_of
+from harness.show.stored import Shown, parts_of
 
 _APART, _ELSEWHERE = "parts", "elsewhere"
 

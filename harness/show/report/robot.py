@@ -16,7 +16,7 @@ from harness.show import blocks as b
 from harness.show.numbers import number, of_engines, of_names
 from harness.show.plots import GROUP, axes, curve, dots, per, some
 from harness.show.report.page import made_with
-from harness.show.shown import AFTER, AFTER_NAME, BEFORE, BEFORE_NAME, Left, Motion, Shown, moved_in
+from harness.show.stored import AFTER, AFTER_NAME, BEFORE, BEFORE_NAME, Left, Motion, Shown, moved_in
 
 _FRICTION = {"f_k": "Coulomb", "c": "viscous"}
 _AS_IT_IS, _PASTED = "the model as it is", "with what is pasted"

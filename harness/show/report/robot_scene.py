@@ -13,7 +13,7 @@ from harness.show import scene as s
 from harness.show.blocks import Figure
 from harness.show.plots import axes, dots, per, plain
 from harness.show.report.robot import engine_figures, motion_figures
-from harness.show.shown import (
+from harness.show.stored import (
     AFTER,
     AFTER_NAME,
     BEFORE,

@@ -9,7 +9,6 @@ from harness.core.trajectory import Trajectory
 from harness.results.common import P
 from harness.results.run import Estimates, RunResult, TraceResult
 from harness.show import blocks as b
-from harness.show.decimate import reversal_times
 from harness.show.numbers import (
     DECAY,
     MINUS,
@@ -24,6 +23,7 @@ from harness.show.numbers import (
     units_of,
     without_step,
 )
+from harness.show.plots import reversal_times
 from harness.show.report.motion import motion_section, phase_figure, reversal_section, turning
 from harness.show.report.page import made_with
 
