@@ -5,7 +5,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from small_proof import SIZES, STUB, in_this_process, unchanged_sources
+from here import in_this_process
+from small_proof import SIZES, STUB, unchanged_sources
 
 from harness.app.prove.prove import ProveOptions, prove
 
