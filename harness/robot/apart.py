@@ -17,7 +17,8 @@ from harness.core.apart import Found, read_apart
 from harness.core.bounded import MEBIBYTE, check_file, read_bytes
 from harness.core.errors import InputError
 from harness.engines.mujoco.presets import warned
-from harness.robot.bare import bare_mjcf, bare_urdf, mesh_folder, mimicking, with_included
+from harness.robot.bare import bare_model, mesh_folder, with_included
+from harness.robot.repair import listed
 
 LOGGER = logging.getLogger(__name__)
 _MOST_MESH_BYTES = 64 * MEBIBYTE
@@ -125,50 +126,65 @@ _LEAST_STEP = 1e-6
 """Of a model, s: a swing of twenty seconds takes as many steps as any run may."""
 
 
-def compiled(
-    path: Path, edited: Mapping[Path, str] = MappingProxyType({}), looks: str = "", fixed: bool = False
-) -> tuple[Any, dict[str, Any]]:
-    """MuJoCo's model of a file, and what is to be said of it: ``alone`` (by joint, why it does not), ``notes``.
+def compiled(path: Path, edited: Mapping[Path, str] = MappingProxyType({}), looks: str = "") -> tuple[Any, list[str]]:
+    """MuJoCo's model of a file without free and ball joints, and what is to be said of it, one sentence each.
 
     edited : by resolved path, texts that take the place of what a file of the model holds. looks : "meshes" or "bare"
-    for a model that is good for its looks only. fixed : free and ball joints are taken out. Raises InputError when
-    there is no such file, or MuJoCo cannot compile it (its message in one line).
+    for a model that is good for its looks only, which keeps them. Raises InputError when there is no such file, or
+    MuJoCo cannot compile it (its message in one line).
     """
     check_file(path, accepted=ACCEPTED)
     texts = {str(file): text for file, text in edited.items()}
     columns, about = read_apart(
-        f"{__name__}:columns_of", path, ACCEPTED, seconds=_SECONDS, kept=True, edited=texts, looks=looks, fixed=fixed
+        f"{__name__}:columns_of", path, ACCEPTED, seconds=_SECONDS, kept=True, edited=texts, looks=looks
     )
     data = columns["model"].tobytes()[: about["size"]]
-    return mujoco.MjModel.from_binary_path(_MODEL, {_MODEL: data}), about
+    return mujoco.MjModel.from_binary_path(_MODEL, {_MODEL: data}), about["notes"]
 
 
-def columns_of(path: Path, edited: Mapping[str, str], looks: str, fixed: bool) -> Found:
+def columns_of(path: Path, edited: Mapping[str, str], looks: str) -> Found:
     """The reader: the model's bytes as numbers, and what is to be said."""
+    notes = list[str]()
     if looks:
-        seen, meshes = with_shapes(path, looks == "meshes")
-        text, about = seen.encode(), dict[str, Any]()
+        seen, files = with_shapes(path, looks == "meshes")
+        model = compile_text(str(path), seen.encode(), files)
     else:
-        text, meshes, about = prepared(path, {Path(file): text for file, text in edited.items()}, fixed)
-    model = compile_text(str(path), text, meshes)
+        model, notes = prepared(path, {Path(file): text for file, text in edited.items()})
     size = mujoco.mj_sizeModel(model)
     data = np.zeros(-(-size // _WORD) * _WORD, dtype=np.uint8)
     mujoco.mj_saveModel(model, None, data[:size])
-    return {"model": data.view(np.float64)}, {**about, "size": size}
+    return {"model": data.view(np.float64)}, {"notes": notes, "size": size}
 
 
-def prepared(
-    path: Path, edited: Mapping[Path, str], fixed: bool = False
-) -> tuple[bytes, dict[str, bytes], dict[str, Any]]:
-    """The text that MuJoCo is given, its meshes, and what is to be said of it. Raises InputError."""
-    file, root = str(path), with_included(path, edited)[0].root
-    if root.tag == "robot":
-        alone = mimicking(root)
-        return bare_urdf(file, root), {}, {"alone": alone, "notes": []}
-    if root.tag == "mujoco":
-        text, meshes, notes = bare_mjcf(file, root, path.resolve().parent, fixed)
-        return text, meshes, {"alone": {}, "notes": notes}
-    raise InputError(file, f"XML that begins with <{root.tag}>", "MJCF (<mujoco>) or URDF (<robot>) is accepted")
+def prepared(path: Path, edited: Mapping[Path, str], fixed: bool = True) -> tuple[Any, list[str]]:
+    """MuJoCo's model of a file as far as it is a rigid one, and what is to be said of it, one sentence each.
+
+    fixed : without free and ball joints. Bodies without a mass that move get the least that can be. Raises InputError.
+    """
+    file = str(path)
+    bare = bare_model(path, edited, fixed)
+    try:
+        return compile_text(file, etree.tostring(bare.root), bare.files), bare.notes
+    except InputError as refused:
+        if not any(word in str(refused) for word in _INERTIAS):
+            raise
+    urdf = bare.root.tag == "robot"
+    holder = bare.root.find("mujoco") if urdf else bare.root
+    holder = etree.SubElement(bare.root, "mujoco") if holder is None else holder
+    etree.SubElement(holder, "compiler", balanceinertia="true", **_BOUNDS)
+    model = compile_text(file, etree.tostring(bare.root), bare.files)
+    light = [i for i in range(1, model.nbody) if model.body_dofnum[i] and model.body_mass[i] <= _LIGHTEST]
+    if light:
+        names = [model.body(i).name or "without a name" for i in light]
+        bare.notes.append(f"{listed(names)} move without a mass of their own, and count as {_LIGHTEST:g} kg")
+    return model, bare.notes
+
+
+_INERTIAS = ("mjMINVAL", "inertia must")
+"""In MuJoCo's words for bodies that cannot be."""
+_LIGHTEST = 1e-9
+"""kg: not to be felt beside a robot's grams, and with a reach of 3 cm enough to divide by."""
+_BOUNDS = {"boundmass": f"{_LIGHTEST:g}", "boundinertia": "1e-12"}
 
 
 def compile_text(file: str, text: bytes, meshes: dict[str, bytes]) -> Any:

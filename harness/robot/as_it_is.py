@@ -19,7 +19,7 @@ from harness.core.arrays import FloatArray
 from harness.core.bounded import check_file
 from harness.core.errors import InputError
 from harness.engines.mujoco.presets import INTEGRATORS, warned
-from harness.robot.apart import ACCEPTED, HINGE_OR_SLIDE, compile_text, prepared
+from harness.robot.apart import ACCEPTED, HINGE_OR_SLIDE, prepared
 from harness.robot.reduction import gravity_of
 
 Gravity = tuple[float, float, float] | None
@@ -119,8 +119,7 @@ def as_it_is(path: Path, joint: str, gravity: Gravity = None) -> AsItIs:
 
 def columns_of(path: Path, joint: str, gravity: list[float] | None) -> Found:
     """The reader."""
-    text, meshes, _ = prepared(path, {})
-    model = compile_text(str(path), text, meshes)
+    model, _ = prepared(path, {}, fixed=False)
     if gravity is not None:
         model.opt.gravity[:] = gravity
         model.opt.disableflags &= ~_OFF.mjDSBL_GRAVITY.value

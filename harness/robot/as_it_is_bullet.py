@@ -6,13 +6,14 @@ from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
+from lxml import etree
 
 from harness.core.apart import Found, read_apart
 from harness.core.errors import InputError
 from harness.engines.pybullet import PybulletEngine, pybullet
 from harness.robot.apart import ACCEPTED
 from harness.robot.as_it_is import HELD, HELD_FOR, AsItIs, Gravity
-from harness.robot.bare import bare_urdf, with_included
+from harness.robot.bare import bare_model
 from harness.robot.bullet import opened
 
 _SECONDS = 60
@@ -51,7 +52,7 @@ def columns_of(
     dt: float,
 ) -> Found:
     """The reader."""
-    text = bare_urdf(str(path), with_included(path)[0].root)
+    text = etree.tostring(bare_model(path).root)
     with opened(text, dt, lambda said: InputError(str(path), said, ACCEPTED)) as (client, body, numbers):
         own = numbers[joint]
         for i in numbers.values():

@@ -14,6 +14,7 @@ from lxml import etree
 
 from harness.core.bounded import MEBIBYTE, check_file, read_bytes
 from harness.core.errors import InputError
+from harness.robot.repair import repaired
 
 MOST_BYTES = 16 * MEBIBYTE
 """Of one file: a robot's model is text of some thousand lines."""
@@ -88,7 +89,8 @@ def _plain(element: Any) -> Any:
 
 
 _OF_LOOKS = ("material", "texture", "hfield")
-_KNOWN = ("revolute", "continuous", "prismatic", "fixed")
+_KNOWN, _FREE = ("revolute", "continuous", "prismatic", "fixed"), ("floating", "planar")
+_HELD = "the body {} is held: what is told of a joint is as if its base were fixed"
 _URDF: Mapping[str, tuple[str, ...]] = {
     "robot": ("link", "joint", "mujoco"),
     "link": ("inertial",),
@@ -101,18 +103,22 @@ _URDF: Mapping[str, tuple[str, ...]] = {
 _URDF_COMPILER = ("angle", "autolimits", "balanceinertia", "boundinertia", "boundmass", "eulerseq", "fusestatic")
 
 
-def bare_urdf(file: str, root: Any) -> bytes:
-    """The text that MuJoCo's importer is given.
-
-    Raises InputError for joints that are neither hinge nor slide, by name, and for a floating base.
-    """
+def _bare_urdf(file: str, root: Any, notes: list[str]) -> None:
+    """Leave of a URDF what MuJoCo's importer is to be given. Raises InputError for a joint that URDF has not."""
+    held = []
     for joint in root.findall("joint"):
         kind = joint.get("type")
-        if kind not in _KNOWN:
-            name = joint.get("name")
-            raise InputError(f"{file}: joint {name}", f"type {kind!r}", f"{', '.join(_KNOWN)} are accepted")
+        if kind in _FREE:
+            joint.set("type", "fixed")
+            child = joint.find("child")
+            held.append("" if child is None else child.get("link") or "")
+        elif kind not in _KNOWN:
+            found = f"type {kind!r}"
+            raise InputError(f"{file}: joint {joint.get('name')}", found, f"{', '.join(_KNOWN + _FREE)} are accepted")
+    bearing = {parent.get("link") for joint in root.findall("joint") for parent in joint.findall("parent")}
+    notes += [_HELD.format(name) for name in held if name in bearing]
     _keep(file, root, _URDF, _URDF_COMPILER)
-    return bytes(etree.tostring(root))
+    notes += repaired(root)
 
 
 def _keep(file: str, element: Any, may: Mapping[str, tuple[str, ...]], compiler: tuple[str, ...]) -> None:
@@ -132,39 +138,27 @@ def _keep(file: str, element: Any, may: Mapping[str, tuple[str, ...]], compiler:
             raise InputError(file, found, "a model that MuJoCo compiles is accepted")
 
 
-def mimicking(root: Any) -> dict[str, str]:
-    """By joint, why it does not move alone: it mimics another or is mimicked."""
-    found = {}
-    for joint in root.findall("joint"):
-        mimic = joint.find("mimic")
-        if mimic is not None:
-            name, leader = str(joint.get("name")), str(mimic.get("joint"))
-            found[name] = f"it mimics {leader}"
-            found[leader] = f"{name} mimics it"
-    return found
-
-
 MOST_COPIES = 1000
 """That replicates of a model may make."""
 _MOST_MESH_BYTES = 256 * MEBIBYTE
-_NOT_RIGID = ("composite", "flexcomp", "flex", "flexstrain", "plugin", "attach")
+_NOT_RIGID = ("composite", "flexcomp", "flex", "flexstrain", "plugin")
 _SECTIONS = ("compiler", "option", "default", "asset", "worldbody", "tendon", "equality", "actuator")
 _NOT_NEEDED = (
     *("sensor", "contact", "keyframe", "deformable", "visual", "statistic", "custom", "size", "extension"),
-    *("light", "camera", "pair", "texture", "material", "hfield", "skin", "model"),
+    *("light", "camera", "pair", "texture", "material", "hfield", "skin"),
 )
 _DEFAULTS = ("joint", "geom", "site", "mesh", "equality", "tendon")
 _ACTUATORS = (
     *("general", "motor", "position", "velocity", "intvelocity", "orientation", "pid", "damper", "cylinder"),
     *("muscle", "adhesion", "dcmotor"),
 )
-_BODY = ("body", "frame", "replicate", "inertial", "joint", "freejoint", "geom", "site")
+_BODY = ("body", "frame", "replicate", "inertial", "joint", "freejoint", "geom", "site", "attach")
 _MJCF: Mapping[str, tuple[str, ...]] = {
     "mujoco": _SECTIONS,
     "compiler": ("lengthrange",),
     "option": ("flag",),
     "default": ("default", *_DEFAULTS, *_ACTUATORS),
-    "asset": ("mesh",),
+    "asset": ("mesh", "model"),
     **dict.fromkeys(("worldbody", "body", "frame", "replicate"), _BODY),
     "tendon": ("spatial", "fixed"),
     "spatial": ("site", "geom", "pulley"),
@@ -179,13 +173,71 @@ _MJCF_COMPILER = (
 )
 
 
-def bare_mjcf(file: str, root: Any, folder: Path, fixed: bool) -> tuple[bytes, dict[str, bytes], list[str]]:
-    """The text that MuJoCo's compiler is given, the meshes that a mass depends on, by name, and what is to be said.
-
-    fixed : free and ball joints are taken out, so that their bodies stand still. Raises InputError for what is no rigid
-    body, for what is no MJCF, for more copies than are reasonable, and for a moving body whose mass is that of a mesh
-    that is not there.
+@dataclass(frozen=True, slots=True)
+class Bare:
+    """root : of the tree that MuJoCo is given. files : those that it then asks for, by name. notes : what is to be said
+    of it, one sentence each.
     """
+
+    root: Any
+    files: dict[str, bytes]
+    notes: list[str]
+
+
+def bare_model(path: Path, edited: Mapping[Path, str] = MappingProxyType({}), fixed: bool = True) -> Bare:
+    """A model's file with those that it includes or attaches, as the rigid model needs it.
+
+    edited : as in ``read_xml``. fixed : free and ball joints are taken out, so that their bodies stand still. Raises
+    InputError for what is no rigid body, for what is neither MJCF nor URDF, for more copies than are reasonable, and
+    for a moving body whose mass is that of a mesh that is not there.
+    """
+    found = Bare(with_included(path, edited)[0].root, {}, [])
+    if found.root.tag == "robot":
+        _bare_urdf(str(path), found.root, found.notes)
+    elif found.root.tag == "mujoco":
+        _bare_mjcf(path, found, path.resolve().parent, edited, fixed)
+    else:
+        said = f"XML that begins with <{found.root.tag}>"
+        raise InputError(str(path), said, "MJCF (<mujoco>) or URDF (<robot>) is accepted")
+    return found
+
+
+def _bare_mjcf(
+    path: Path, model: Bare, first: Path, edited: Mapping[Path, str], fixed: bool, part: bool = False
+) -> None:
+    """first : folder of the model that the others are parts of. part : it is attached to another one."""
+    file, root, folder = str(path), model.root, path.resolve().parent
+    _check(file, root)
+    meshes_at = mesh_folder(root)
+    _keep(file, root, _MJCF, _MJCF_COMPILER)
+    if fixed:
+        model.notes.extend(_fixed(root))
+    from_shapes = any(one.get("inertiafromgeom") == "true" for one in root.findall("compiler"))
+    needed: set[str] = set()
+    for world in root.findall("worldbody"):
+        _without_shapes(world, moving=part, from_shapes=from_shapes, needed=needed)
+    for one in list(root.iterfind("asset/*")):
+        name = one.get("name") or Path(one.get("file") or "").stem
+        if one.tag == "model":
+            _attached(file, one, model, first, edited, fixed)
+        elif name not in needed:
+            one.getparent().remove(one)
+        elif one.get("file") is not None:
+            mesh = (folder / meshes_at / one.get("file")).resolve()
+            if not mesh.is_file():
+                raise InputError(
+                    f"{file}: mesh {name}",
+                    f"a moving body has the mass of {one.get('file')}, which is not there",
+                    "the mesh, or an <inertial> in that body, is accepted",
+                )
+            if not mesh.is_relative_to(first):
+                model.notes.append(f"the mesh {name} was read from {mesh}, outside of the model's folder")
+            one.set("name", name)
+            _give(one, model, mesh.suffix, read_bytes(mesh, _MOST_MESH_BYTES))
+
+
+def _check(file: str, root: Any) -> None:
+    """Raise InputError for what is no rigid body, and for more copies than are reasonable."""
     for tag in _NOT_RIGID:
         if (found := next(root.iter(tag), None)) is not None:
             name = found.get("name") or found.get("prefix") or ""
@@ -197,33 +249,30 @@ def bare_mjcf(file: str, root: Any, folder: Path, fixed: bool) -> tuple[bytes, d
             copies *= int(count) if count.isascii() and count.isdigit() and len(count) < 10 else MOST_COPIES + 1
         if copies > MOST_COPIES:
             raise InputError(f"{file}: replicate", f"{copies} copies", f"at most {MOST_COPIES} are accepted")
-    meshes_at = mesh_folder(root)
-    _keep(file, root, _MJCF, _MJCF_COMPILER)
-    notes = _fixed(root) if fixed else []
-    from_shapes = any(one.get("inertiafromgeom") == "true" for one in root.findall("compiler"))
-    needed: set[str] = set()
-    for world in root.findall("worldbody"):
-        _without_shapes(world, moving=False, from_shapes=from_shapes, needed=needed)
-    meshes: dict[str, bytes] = {}
-    for one in list(root.iterfind("asset/*")):
-        name = one.get("name") or Path(one.get("file") or "").stem
-        if name not in needed:
-            one.getparent().remove(one)
-        elif one.get("file") is not None:
-            path = (folder / meshes_at / one.get("file")).resolve()
-            if not path.is_file():
-                raise InputError(
-                    f"{file}: mesh {name}",
-                    f"a moving body has the mass of {one.get('file')}, which is not there",
-                    "the mesh, or an <inertial> in that body, is accepted",
-                )
-            if not path.is_relative_to(folder):
-                notes.append(f"the mesh {name} was read from {path}, outside of the model's folder")
-            key = f"{len(meshes)}{path.suffix}"
-            meshes[key] = read_bytes(path, _MOST_MESH_BYTES)
-            one.set("name", name)
-            one.set("file", key)
-    return bytes(etree.tostring(root)), meshes, notes
+
+
+def _attached(file: str, asset: Any, model: Bare, first: Path, edited: Mapping[Path, str], fixed: bool) -> None:
+    """Make ready the model of an asset, whose bodies the first one attaches."""
+    name = asset.get("file") or ""
+    path = (first / name).resolve()
+    where = f"{file}: model {name or 'without a file'}"
+    if not path.is_relative_to(first):
+        raise InputError(where, "a file outside the model's folder", "one that lies in it is accepted")
+    if len(model.files) > MOST_FILES:
+        raise InputError(where, "too many files", f"at most {MOST_FILES} are accepted")
+    check_file(path, where)
+    part = Bare(with_included(path, edited)[0].root, model.files, model.notes)
+    if part.root.tag != "mujoco" or next(part.root.iter("attach", "model"), None) is not None:
+        raise InputError(where, "no MJCF, or one that attaches another", "an MJCF that attaches none is accepted")
+    _bare_mjcf(path, part, first, edited, fixed, part=True)
+    _give(asset, model, ".xml", etree.tostring(part.root))
+
+
+def _give(asset: Any, model: Bare, suffix: str, data: bytes) -> None:
+    """Put a file among those that MuJoCo asks for, under a name of ours."""
+    key = f"{len(model.files)}{suffix}"
+    model.files[key] = data
+    asset.set("file", key)
 
 
 def mesh_folder(root: Any) -> str:
@@ -240,8 +289,7 @@ def _fixed(root: Any) -> list[str]:
             body = joint.getparent()
             body.remove(joint)
             if any(one.tag == "joint" for child in body.iter("body") for one in child):
-                name = body.get("name") or "without a name"
-                notes.append(f"the body {name} is held: what is told of a joint is as if its base were fixed")
+                notes.append(_HELD.format(body.get("name") or "without a name"))
     return notes
 
 

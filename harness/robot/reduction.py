@@ -5,7 +5,8 @@ and gravity's torque is a sine of it:
 
     (inertia + armature) q'' + c q' + spring (q - q_ref) + friction + a sin q + b cos q = tau
 
-A slide has a constant force in place of the sine.
+A slide has a constant force in place of the sine. So it is with joints that one moves by a ratio, as long as their sum
+has one inertia and one sine.
 """
 
 import math
@@ -20,9 +21,13 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, did_you_mean
 from harness.robot.arm import Arm
+from harness.robot.ties import moved_with
 
 _ANGLES = 72
 """Of a whole turn, at which gravity's torque is read."""
+_ALONE = "a joint that moves by itself is accepted"
+_ALIKE = 0.01
+"""Share of inertia, and of gravity's torque, to which a joint that moves others by ratios is a pendulum."""
 _UPRIGHT = 1e-4
 """Sine of the tilt of an axis below which it counts as along gravity; a right angle written 1.5708 is 4e-6 off."""
 
@@ -33,7 +38,8 @@ class Reduced:
 
     inertia : of what the joint moves. armature : of its rotor, to be added. a, b : of gravity's torque, a hinge's.
     spring, q_ref : the joint's own spring and where it is slack. constant : gravity's force on a slide. slides : no
-    hinge. upright : the axis is along gravity, or there is none. held : the other joints' positions.
+    hinge. upright : the axis is along gravity, or there is none. held : the other joints' positions. ratios : by joint
+    that moves with it, how many times as far; its inertia, rotor and weight are in inertia, a and b.
     """
 
     joint: str
@@ -47,6 +53,7 @@ class Reduced:
     slides: bool = False
     upright: bool = False
     held: Mapping[str, float] = field(default_factory=dict)
+    ratios: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def moved(self) -> float:
@@ -86,19 +93,27 @@ class Reduced:
             said += f" as a pendulum of {self.gravity:.4g} N m that hangs at {self.q_eq:.4g} rad"
         if self.spring:
             said += f"; its own spring has {self.spring:.4g} {torque}/{angle}, slack at {self.q_ref:.4g} {angle}"
+        for name, ratio in self.ratios.items():
+            said += f"; {name} goes {ratio:.4g} times as far with it, and what is told of {self.joint} is of both"
         return f"{said}."
 
 
 def reduced(arm: Arm, joint: str, held: Mapping[str, float] | None = None) -> Reduced:
     """The equation of a joint; held : positions of other joints, those of the model's reference where not given.
 
-    Raises InputError for a joint that there is not, and for one that does not move alone.
+    Raises InputError for a joint that there is not, for one that does not move alone or on a ratio, and for one that
+    moves others so that the whole is no pendulum.
     """
     at = arm.index(joint)
-    if joint in arm.coupled:
-        raise InputError(f"{arm.file}: joint {joint}", arm.coupled[joint], "a joint that moves by itself is accepted")
+    group = moved_with(arm.ties, at)
+    for name in (arm.joints[j] for j in group):
+        if name in arm.coupled:
+            said = arm.coupled[name] if name == joint else f"it moves {name}, and {arm.coupled[name]}"
+            raise InputError(f"{arm.file}: joint {joint}", said, _ALONE)
     model = arm.model
     data, q = mujoco.MjData(model), positions(arm, held or {})
+    if len(group) > 1:
+        return _together(arm, joint, q, group)
     slides = arm.slides(joint)
     mass = np.zeros((model.nv, model.nv))
     data.qpos[:] = q
@@ -120,6 +135,51 @@ def reduced(arm: Arm, joint: str, held: Mapping[str, float] | None = None) -> Re
     return replace(found, a=a, b=b, upright=upright)
 
 
+def _together(arm: Arm, joint: str, q: FloatArray, group: Mapping[int, tuple[float, float]]) -> Reduced:
+    """The equation of a joint that moves others by ratios, over its range, where that is one of a pendulum or slide."""
+    at, model, slides = arm.index(joint), arm.model, arm.slides(joint)
+    low, high = map(float, model.jnt_range[at] if model.jnt_limited[at] else q[at] + math.pi * np.array([-1.0, 1.0]))
+    x, many, still = np.linspace(low, high, _ANGLES), np.tile(q, (_ANGLES, 1)), np.zeros((_ANGLES, model.nv))
+    pushed, ratios = still.copy(), {arm.joints[j]: ratio for j, (ratio, _) in group.items() if j != at}
+    for j, (ratio, start) in group.items():
+        many[:, j], pushed[:, j] = start + ratio * x, ratio
+    load = arm.inverse(many, still, still)[:, at]
+    inertia = arm.inverse(many, still, pushed)[:, at] - load
+    moved = float(np.mean(inertia))
+    # a, b, the force of gravity, and the springs' with where they are slack: of these what there can be
+    sprung = any(model.jnt_stiffness[arm.index(name)] for name in (joint, *ratios))
+    there = np.array([not slides, not slides, slides or sprung, sprung])
+    columns = np.column_stack((np.sin(x), np.cos(x), np.ones(x.size), x))[:, there]
+    numbers = np.zeros(4)
+    numbers[there] = np.linalg.lstsq(columns, load, rcond=None)[0]
+    least = _UPRIGHT * _strength(model, at, moved)
+    left = float(np.max(np.abs(load - columns @ numbers[there])))
+    if np.ptp(inertia) > _ALIKE * moved or left > max(_ALIKE * float(np.max(np.abs(load))), least):
+        found = f"what it moves changes as {', '.join(ratios)} move{'s' * (len(ratios) == 1)} with it"
+        raise InputError(f"{arm.file}: joint {joint}", found, _ALONE)
+    a, b, force, spring = numbers.tolist()
+    return Reduced(
+        joint,
+        moved - float(arm.armature[at]),
+        float(arm.armature[at]),
+        a,
+        b,
+        spring,
+        -force / spring if spring and not slides else 0.0,
+        force if slides else 0.0,
+        slides,
+        not slides and math.hypot(a, b) <= least,
+        MappingProxyType({name: float(q[i]) for i, name in enumerate(arm.joints) if i not in group}),
+        MappingProxyType(ratios),
+    )
+
+
+def _strength(model: Any, joint: int, moved: float) -> float:
+    """What gravity could be on an inertia, N m or N."""
+    hanging = float(model.body_subtreemass[model.jnt_bodyid[joint]])
+    return float(np.linalg.norm(model.opt.gravity)) * math.sqrt(max(moved, 0.0) * hanging)
+
+
 def gravity_of(model: Any, q: FloatArray, joint: int, moved: float) -> tuple[float, float, bool]:
     """Torque of gravity on a hinge as a sin q + b cos q, N m, and whether that is none; of a slide its force, N, and 0.
 
@@ -138,9 +198,7 @@ def gravity_of(model: Any, q: FloatArray, joint: int, moved: float) -> tuple[flo
     if slides:
         return float(pull[0]), 0.0, False
     a, b = (2.0 / _ANGLES * float(pull @ wave(angles)) for wave in (np.sin, np.cos))
-    hanging = float(model.body_subtreemass[model.jnt_bodyid[joint]])
-    strength = float(np.linalg.norm(model.opt.gravity)) * math.sqrt(max(moved, 0.0) * hanging)
-    return a, b, math.hypot(a, b) <= _UPRIGHT * strength
+    return a, b, math.hypot(a, b) <= _UPRIGHT * _strength(model, joint, moved)
 
 
 def positions(arm: Arm, held: Mapping[str, float]) -> FloatArray:

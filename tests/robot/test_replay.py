@@ -13,7 +13,7 @@ from harness.core.errors import SimulationError
 from harness.core.robot.joint_log import JointLog
 from harness.engines.models import folder
 from harness.robot.arm import Arm, load_arm
-from harness.robot.bare import with_included
+from harness.robot.bare import bare_model
 from harness.robot.example import FRICTION, excited
 from harness.robot.paste import JointPaste
 from harness.robot.replay import replay
@@ -80,7 +80,7 @@ def test_a_users_urdf_is_loaded_as_it_is(tmp_path: Path, seed: int) -> None:
     arm = load_arm(file)
     joint = next(name for name in arm.joints if not arm.slides(name))
     free, drive = _right(arm, joint, seed)
-    text = of_file(str(file), with_included(file)[0].root, joint, 0.0)
+    text = of_file(bare_model(file).root, joint, 0.0)
     _near(drive, in_pybullet.replay(free, drive, text, np.zeros(free.model.nv)))
 
 

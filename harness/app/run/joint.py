@@ -11,7 +11,7 @@ from harness.app.shared.leaving import FILES, leave, leaving
 from harness.app.shared.machine import this_machine
 from harness.app.shared.parts import only_joint, reduction_of
 from harness.app.shared.progress import SILENT, Progress
-from harness.core.errors import SimulationError
+from harness.core.errors import InputError, SimulationError
 from harness.core.scenario import Hold, Scenario
 from harness.core.slider import Slider
 from harness.core.trajectory import Source, Trajectory
@@ -117,9 +117,12 @@ def run_joint(
 
     Raises InputError for a model or a joint that cannot be used, StoreError.
     """
-    arm = load_arm(asked.file, asked.gravity, fixed=True)
+    arm = load_arm(asked.file, asked.gravity)
     joint = asked.joint or only_joint(arm)
     own = reduced(arm, joint)
+    if own.ratios:
+        found = f"it moves {', '.join(own.ratios)} by a ratio, and the others are held here"
+        raise InputError(f"{arm.file}: joint {joint}", found, "a joint that moves by itself is accepted")
     with leaving(f"run-{joint}", out) as output:
         result, motions = _computed(arm, own, asked, progress, command)
         named = dict(FILES)

@@ -11,7 +11,6 @@ from scipy.spatial.transform import Rotation
 
 from harness.core.arrays import FloatArray
 from harness.robot.arm import Arm
-from harness.robot.bare import bare_urdf
 
 _SPECK = 1e-9
 """Mass, kg, and inertia, kg m^2, of a link between two joints of one body: PyBullet takes no link without any."""
@@ -29,9 +28,8 @@ class ForBullet:
     inertia: FloatArray | None = None
 
 
-def of_file(file: str, root: Any, joint: str, rotor: float) -> ForBullet:
-    """A user's URDF, without shapes and limits. root : of its tree, which is changed. rotor : kg m^2."""
-    tree = etree.fromstring(bare_urdf(file, root))
+def of_file(tree: Any, joint: str, rotor: float) -> ForBullet:
+    """A user's URDF, without limits. tree : bare, is changed. rotor : kg m^2."""
     for one in tree.findall("joint"):
         if one.get("type") == "revolute":
             one.set("type", "continuous")

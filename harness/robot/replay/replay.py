@@ -18,7 +18,7 @@ from harness.core.errors import SimulationError
 from harness.core.robot.joint_log import JointLog
 from harness.engines.mujoco.presets import warned
 from harness.robot.arm import Arm, load_arm
-from harness.robot.bare import with_included
+from harness.robot.bare import bare_model
 from harness.robot.paste import JointPaste, written
 from harness.robot.replay.as_urdf import of_file, of_model
 from harness.robot.replay.drive import WINDOW, Drive, drive_of
@@ -127,10 +127,10 @@ def replayed(
             unsaid = (f"the rotor of {paste.joint}, a slide, is left out: PyBullet has no word for it",)
         for one, texts in zip(both, ({}, edited), strict=True):
             rotor = 0.0 if slides else float(one.armature[drive.at])
-            root = with_included(path, texts)[0].root
+            root = bare_model(path, texts).root
             # the file itself where it is a URDF and nothing hangs on it, else one made of the compiled model
             if root.tag == "robot" and payload == 0.0:
-                text, zero = of_file(str(path), root, paste.joint, rotor), np.zeros(arm.model.nv)
+                text, zero = of_file(root, paste.joint, rotor), np.zeros(arm.model.nv)
             else:
                 text, zero = of_model(one, paste.joint, rotor), np.array(one.model.qpos0)
             motions.append(in_pybullet.replay(one, drive, text, zero))
