@@ -11,7 +11,6 @@ from harness.results.common import Result
 from harness.show.blocks import Page
 from harness.show.report.page import write_report
 from harness.show.scene import Scene
-from harness.show.trace import write_trace
 
 FILES = {"result": "result.json", "report": "report.html", "rrd": "trace.rrd", "log": NAME}
 
@@ -28,5 +27,8 @@ def leave(output: OutputFolder, result: Result, page: Page, scene: Scene | None 
     """Write result, trace and page; raises StoreError."""
     (output / FILES["result"]).write_text(to_json(result), encoding="utf-8")
     if scene is not None:
+        # imported when it is needed: it brings the viewer's library along
+        from harness.show.trace import write_trace
+
         write_trace(output / FILES["rrd"], scene)
     write_report(output / FILES["report"], page)

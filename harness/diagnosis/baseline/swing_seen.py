@@ -11,7 +11,6 @@ from collections.abc import Mapping
 
 import numpy as np
 from scipy.optimize import minimize
-from scipy.signal import lfilter
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
@@ -70,6 +69,8 @@ def motion_evidence(channels: Mapping[str, FloatArray], left: Mapping[str, Float
 
 def _innovations(left: FloatArray) -> float:
     """Mean square of what each value of a series (n,) adds to what those before say of it."""
+    # imported when it is needed: it brings half of its library along
+    from scipy.signal import lfilter
 
     def added(at: FloatArray) -> float:
         memory, beside = at
