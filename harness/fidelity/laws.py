@@ -8,6 +8,10 @@ What is known of engines without a sweep: words that do nothing, and what a robo
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
+from harness.core.arrays import FloatArray
+
 TGS_LEFT = 1.0 / 41.0
 """What one iteration of PhysX's TGS leaves of a joint's speed that friction should stop: 1 - 1/1.025, measured."""
 SAP_SIGMA = 1e-3
@@ -72,73 +76,49 @@ def half_implicit(m: float, c: float, c_end: float, h: float) -> float:
     return -m / h * (math.log1p(-h / m * c) - math.log1p(h / m * c_end))
 
 
-Map = tuple[tuple[float, float], tuple[float, float]]
-"""What a step makes of (position, speed) of a mass on a spring: rows of a matrix."""
 RK4_IMAGINARY = 2.0 * math.sqrt(2.0)
 """h omega up to which the classical Runge-Kutta method is stable without damping."""
 
 
-def semi_implicit_step(m: float, c: float, c_end: float, k: float, h: float) -> Map:
-    """Speed first, c and k at the start of a step and c_end at its end, then position: MuJoCo's Euler and implicit.
+def semi_implicit_step(m: float, c: float, c_end: float, k: float, h: float) -> FloatArray:
+    """What a step makes of (position, speed) of a mass on a spring, (2, 2), as do the next three.
 
-    It is stable while h^2 k < 4 m - 2 h c + 2 h c_end and h c < 2 m + h c_end (Jury's conditions of this matrix).
+    Speed first, c and k at the start of a step and c_end at its end, then position: MuJoCo's Euler and implicit. It
+    is stable while h^2 k < 4 m - 2 h c + 2 h c_end and h c < 2 m + h c_end (Jury's conditions of this matrix).
     """
     mass = m + h * c_end
     by_x, by_v = -h * k / mass, 1.0 - h * (c + c_end) / mass
-    return (1.0 + h * by_x, h * by_v), (by_x, by_v)
+    return np.array([[1.0 + h * by_x, h * by_v], [by_x, by_v]])
 
 
-def implicit_step(m: float, c: float, k: float, h: float, n: int) -> Map:
+def implicit_step(m: float, c: float, k: float, h: float, n: int) -> FloatArray:
     """Both at the end of each of n sub-steps; stable whatever the step."""
     part = h / n
     mass = m + part * (c + part * k)
     by_x, by_v = -part * k / mass, m / mass
-    return _power(((1.0 + part * by_x, part * by_v), (by_x, by_v)), n)
+    return np.linalg.matrix_power(np.array([[1.0 + part * by_x, part * by_v], [by_x, by_v]]), n)
 
 
-def held_step(m: float, c: float, k: float, h: float, n: int) -> Map:
+def held_step(m: float, c: float, k: float, h: float, n: int) -> FloatArray:
     """Spring and damper as a force held over a step of n sub-steps, speed first in each."""
     way = 0.5 * h * h * (1.0 + 1.0 / n) / m
-    return (1.0 - way * k, h - way * c), (-h * k / m, 1.0 - h * c / m)
+    return np.array([[1.0 - way * k, h - way * c], [-h * k / m, 1.0 - h * c / m]])
 
 
-def runge_kutta_step(m: float, c: float, k: float, h: float) -> Map:
+def runge_kutta_step(m: float, c: float, k: float, h: float) -> FloatArray:
     """The classical method of fourth order: Taylor's series to h^4."""
-    once: Map = ((0.0, h), (-h * k / m, -h * c / m))
-    found, term = ((1.0, 0.0), (0.0, 1.0)), ((1.0, 0.0), (0.0, 1.0))
-    for i in range(1, 5):
-        term = _scaled(_product(term, once), 1.0 / i)
-        found = (
-            (found[0][0] + term[0][0], found[0][1] + term[0][1]),
-            (found[1][0] + term[1][0], found[1][1] + term[1][1]),
-        )
+    once, found = np.array([[0.0, h], [-h * k / m, -h * c / m]]), np.eye(2)
+    for i in range(4, 0, -1):
+        found = np.eye(2) + once @ found / i
     return found
 
 
-def stable(step: Map) -> bool:
+def stable(step: FloatArray) -> bool:
     """Whether what a step makes of a motion stays bounded, by Jury's conditions."""
-    (a, b), (c, d) = step
+    a, b, c, d = map(float, step.flat)
     trace, det = a + d, a * d - b * c
     slack = 1e-12 * (1.0 + abs(trace) + abs(det))
     return det <= 1.0 + slack and 1.0 + trace + det >= -slack and 1.0 - trace + det >= -slack
-
-
-def _product(one: Map, other: Map) -> Map:
-    (a, b), (c, d) = one
-    (e, f), (g, i) = other
-    return (a * e + b * g, a * f + b * i), (c * e + d * g, c * f + d * i)
-
-
-def _scaled(one: Map, by: float) -> Map:
-    (a, b), (c, d) = one
-    return (a * by, b * by), (c * by, d * by)
-
-
-def _power(one: Map, n: int) -> Map:
-    found: Map = ((1.0, 0.0), (0.0, 1.0))
-    for _ in range(n):
-        found = _product(found, one)
-    return found
 
 
 STIFFNESS, STEP, MASS, DAMPING = 4500.0, 4e-3, 1.0, 20.0

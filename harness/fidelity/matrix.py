@@ -59,11 +59,11 @@ LADDER = (COARSE, MIDDLE, FINE, FINEST)
 """Steps from which the order of convergence is measured, s."""
 HUNDRED = 1e-4
 
-_EVERY: tuple[Variant, ...] = (
-    Variant("as-shipped", "as-shipped", (OWN, FINE)),
-    Variant("tuned", "tuned", LADDER),
-)
+_SHIPPED, _SHIPPED_ALONE = (Variant("as-shipped", "as-shipped", steps) for steps in ((OWN, FINE), (OWN,)))
+_TUNED, _TUNED_LADDER = (Variant("tuned", "tuned", steps) for steps in ((MIDDLE, FINE), LADDER))
+_EVERY = (_SHIPPED, _TUNED_LADDER)
 """What every engine is asked for, a third party's too."""
+_LAW = (_SHIPPED, _TUNED)
 
 _MUJOCO_JOINT = (
     Variant("as-shipped", "as-shipped", (OWN, COARSE, FINE, FINEST)),
@@ -78,15 +78,15 @@ _MUJOCO_JOINT = (
     Variant("stiff", "as-shipped", (FINE,), _stiff_joint("implicitfast")),
     Variant("stiff", "as-shipped", (FINE, HUNDRED), _stiff_joint("RK4")),
     Variant("stiff", "as-shipped", (FINE,), _stiff_joint("discrete")),
-    Variant("tuned", "tuned", LADDER),
+    _TUNED_LADDER,
 )
 _MUJOCO_LAW = (
-    Variant("as-shipped", "as-shipped", (OWN, FINE)),
+    _SHIPPED,
     Variant("as-shipped", "as-shipped", (FINE,), _fixed(integrator="implicitfast")),
-    Variant("tuned", "tuned", (MIDDLE, FINE)),
+    _TUNED,
 )
 _MUJOCO_CONTACT = (
-    Variant("as-shipped", "as-shipped", (OWN, FINE)),
+    _SHIPPED,
     *(
         Variant("elliptic", "as-shipped", (FINE,), _fixed(cone="elliptic", impratio=ratio))
         for ratio in (1.0, 10.0, 100.0)
@@ -102,13 +102,12 @@ SEMI_IMPLICIT = Variant("undamped", "tuned", (1.0 / 240.0, FINE, HUNDRED), _fixe
 """PyBullet without its own damping, each step read as it stands."""
 
 _PYBULLET_JOINT = (
-    Variant("as-shipped", "as-shipped", (OWN, FINE)),
+    _SHIPPED,
     SEMI_IMPLICIT,
     Variant("tuned", "tuned", (1.0 / 240.0, *LADDER)),
 )
-_PYBULLET_LAW = (Variant("as-shipped", "as-shipped", (OWN, FINE)), Variant("tuned", "tuned", (MIDDLE, FINE)))
 _PYBULLET_CONTACT = (
-    Variant("as-shipped", "as-shipped", (OWN, FINE)),
+    _SHIPPED,
     *(
         Variant("undamped", "tuned", (1.0 / 240.0,), _fixed(leapfrog=False, numSolverIterations=count, **more))
         for count, more in (
@@ -124,40 +123,39 @@ _PYBULLET_CONTACT = (
 
 _PUSHED = Variant("pushed", "as-shipped", (FINE,), _fixed(own_spring=False))
 """Spring and damper as a force held over the step, sub-steps as shipped."""
-_OFF_FLOOR_LAW = (Variant("as-shipped", "as-shipped", (OWN, FINE)), Variant("tuned", "tuned", (MIDDLE, FINE)))
 _RAPIER_JOINT = (
-    Variant("as-shipped", "as-shipped", (OWN, FINE)),
+    _SHIPPED,
     _PUSHED,
     Variant("pushed", "as-shipped", (FINE,), _fixed(own_spring=False, num_solver_iterations=1)),
-    Variant("tuned", "tuned", LADDER),
+    _TUNED_LADDER,
 )
 _RAPIER_CONTACT = (
-    Variant("as-shipped", "as-shipped", (OWN, FINE)),
+    _SHIPPED,
     Variant("coulomb", "as-shipped", (FINE,), _fixed(friction_model="COULOMB")),
-    Variant("tuned", "tuned", (MIDDLE, FINE)),
+    _TUNED,
 )
 _PHYSX_JOINT = (
-    Variant("as-shipped", "as-shipped", (OWN, FINE)),
+    _SHIPPED,
     _PUSHED,
     Variant("viscous", "as-shipped", (FINE,), _fixed(own_spring=False, own_viscous=True, solverType="PGS")),
     Variant("switched", "as-shipped", (FINE,), _fixed(own_break_away=False)),
     Variant("once a step", "as-shipped", (FINE,), _fixed(own_spring=False, enableExternalForcesEveryIteration=False)),
     Variant("pushed", "as-shipped", (FINE,), _fixed(own_spring=False, solverType="PGS")),
-    Variant("tuned", "tuned", LADDER),
+    _TUNED_LADDER,
 )
 _DRAKE_CONTACT = (
-    Variant("as-shipped", "as-shipped", (OWN,)),
+    _SHIPPED_ALONE,
     *(
         Variant(name[1:].lower(), "as-shipped", (FINE,), _fixed(contact_approximation=name))
         for name in ("kTamsi", "kSimilar", "kSap")
     ),
     Variant("lagged", "as-shipped", (FINE,), _fixed(stiction_tolerance=1e-6)),
-    Variant("tuned", "tuned", (MIDDLE, FINE)),
+    _TUNED,
 )
 WARP = "warp"
 """Newton as it ships to the letter: many times the cost without a GPU, and the same motion to six digits."""
 _NEWTON = (
-    Variant("as-shipped", "as-shipped", (OWN, FINE)),
+    _SHIPPED,
     Variant(WARP, "as-shipped", (OWN,), _fixed(use_mujoco_cpu=False)),
     Variant("tuned", "tuned", (FINE,)),
 )
@@ -165,18 +163,18 @@ _NEWTON = (
 _TABLE: dict[tuple[str, Route], tuple[Variant, ...]] = {
     ("rapier", "joint"): _RAPIER_JOINT,
     ("rapier", "contact"): _RAPIER_CONTACT,
-    ("rapier", "law"): _OFF_FLOOR_LAW,
+    ("rapier", "law"): _LAW,
     ("physx", "joint"): _PHYSX_JOINT,
-    ("physx", "law"): _OFF_FLOOR_LAW,
+    ("physx", "law"): _LAW,
     ("drake", "contact"): _DRAKE_CONTACT,
-    ("drake", "law"): (Variant("as-shipped", "as-shipped", (OWN,)), Variant("tuned", "tuned", (MIDDLE, FINE))),
+    ("drake", "law"): (_SHIPPED_ALONE, _TUNED),
     ("newton", "joint"): _NEWTON,
-    ("newton", "law"): (Variant("as-shipped", "as-shipped", (OWN,)), Variant("tuned", "tuned", (COARSE,))),
+    ("newton", "law"): (_SHIPPED_ALONE, Variant("tuned", "tuned", (COARSE,))),
     ("mujoco", "joint"): _MUJOCO_JOINT,
     ("mujoco", "law"): _MUJOCO_LAW,
     ("mujoco", "contact"): _MUJOCO_CONTACT,
     ("pybullet", "joint"): _PYBULLET_JOINT,
-    ("pybullet", "law"): _PYBULLET_LAW,
+    ("pybullet", "law"): _LAW,
     ("pybullet", "contact"): _PYBULLET_CONTACT,
 }
 

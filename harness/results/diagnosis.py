@@ -53,10 +53,14 @@ class PredictionResult(Result):
     spans_s: list[Span]
 
     @property
+    def ratios(self) -> dict[str, float]:
+        """Error after over before, by channel."""
+        return {c: self.refined_rmse[c] / before for c, before in self.baseline_rmse.items() if before > 0.0}
+
+    @property
     def ratio(self) -> float | None:
-        """Error after over before, of the channel where that is largest."""
-        ratios = [self.refined_rmse[c] / before for c, before in self.baseline_rmse.items() if before > 0.0]
-        return max(ratios, default=None)
+        """The largest of them."""
+        return max(self.ratios.values(), default=None)
 
 
 class MechanismResult(Result):

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.engines.base import Preset
 from harness.engines.mujoco.presets import INTEGRATORS
@@ -25,7 +26,7 @@ def servo_scores(own: AsItIs) -> ServoResult | None:
     m, k, h = own.inertia, own.stiffness + own.spring, own.dt
     c = own.damping + own.servo_damping
     held, parts = laws.held, laws.held_step
-    rows: list[tuple[str, laws.Map, Callable[[], float]]] = [
+    rows: list[tuple[str, FloatArray, Callable[[], float]]] = [
         (f"MuJoCo, {own.integrator}, as the model has it", step_of(own), lambda: _by_mujoco(own)),
         ("a torque held over the step (PyBullet's TORQUE_CONTROL)", parts(m, c, k, h, 1), lambda: held(m, c, k, h, 1)),
         (
@@ -71,7 +72,7 @@ def step_of(
     h: float | None = None,
     m: float | None = None,
     integrator: str | None = None,
-) -> laws.Map:
+) -> FloatArray:
     """What a step of MuJoCo makes of the joint with its servo; stiffness, damping : times the servo's own."""
     h, m, integrator = h or own.dt, m or own.inertia, integrator or own.integrator
     k, c = own.spring + stiffness * own.stiffness, own.damping + damping * own.servo_damping

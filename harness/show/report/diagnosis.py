@@ -323,9 +323,8 @@ def _ratios(found: PredictionResult | None) -> b.Cell:
     """Error after over before: the largest of the channels, all of them below it."""
     if found is None:
         return b.Cell(NONE)
-    pairs = [(c, found.refined_rmse[c] / b) for c, b in found.baseline_rmse.items() if b > 0.0]
-    notes = [f"{c} {number(r, 2)}" for c, r in pairs] if len(pairs) > 1 else []
-    return b.Cell(number(max((r for _, r in pairs), default=None), 2), notes)
+    notes = [f"{c} {number(ratio, 2)}" for c, ratio in found.ratios.items()] if len(found.ratios) > 1 else []
+    return b.Cell(number(found.ratio, 2), notes)
 
 
 def _heldout(result: DiagnosisResult) -> b.Section:
