@@ -1,23 +1,71 @@
-"""What a log of a robot's joints holds: harness log."""
+"""What a log of a robot's joints, or a recording, holds: harness log."""
 
+from dataclasses import fields
 from pathlib import Path
 
+import numpy as np
+
+from harness.app.shared.deliver import write_text
+from harness.core.errors import InputError
+from harness.core.recording import Recording
 from harness.io.logs.finish import Gain
 from harness.io.logs.raw import LogOptions
-from harness.io.logs.read import describe_log
+from harness.io.logs.read import describe_log, source_of
 from harness.io.logs.read import read_joint_log as read
-from harness.results.robot import LogResult, Topic
+from harness.io.options import ReadOptions, unit_of_channel
+from harness.io.recording import read_recording
+from harness.results.robot import LogResult, PreviewResult, Topic
+from harness.show.report.page import render
+from harness.show.report.recording import recording_page
 
 __all__ = ["LogOptions", "log", "read"]
 
+_SPANS, _ROWS = 144, 3
 
-def log(path: Path, options: LogOptions | None = None, gain: Gain | None = None) -> LogResult:
-    """Every topic of a log, with its joints, fields, rate and gaps. Raises InputError for a file that holds none.
 
-    options : how it is read. gain : N m per A, one or by joint.
+def log(path: Path, options: LogOptions | None = None, gain: Gain | None = None, page: Path | None = None) -> LogResult:
+    """Every topic of a log, with its joints, fields, rate and gaps; of a table that is a recording, that as it is read.
+
+    options : how it is read. gain : N m per A, one or by joint. page : where to write a page that plots a recording.
+    Raises InputError for a file that holds neither, and for a page of what is none.
     """
-    topics = []
-    for one in describe_log(path, options or LogOptions(), gain):
-        units = {str(kind): unit for kind, unit in one.units.items()}
-        topics.append(Topic.taken_from(one, type=one.kind, units_guessed=units))
-    return LogResult(file=str(path.absolute()), topics=topics)
+    options = options or LogOptions()
+    plain = ReadOptions(**{one.name: getattr(options, one.name) for one in fields(ReadOptions)})
+    recording: Recording | InputError = InputError(str(path), "no recording", "a table of one motion is accepted")
+    if source_of(path).kind == "table":
+        try:
+            recording = read_recording(path, plain)
+        except InputError as error:
+            recording = error
+    topics: list[Topic] = []
+    try:
+        for one in describe_log(path, options, gain):
+            units = {str(kind): unit for kind, unit in one.units.items()}
+            topics.append(Topic.taken_from(one, type=one.kind, units_guessed=units))
+    except InputError as error:
+        # a line to paste that was tried goes before what joints a table lacks
+        if not isinstance(recording, Recording):
+            raise (recording if "try: " in recording.accepted else error) from None
+    if page is not None:
+        if not isinstance(recording, Recording):
+            raise recording
+        write_text(page, render(recording_page(recording)))
+    shown = preview(recording) if isinstance(recording, Recording) else None
+    return LogResult(file=str(path.absolute()), topics=topics, recording=shown)
+
+
+def preview(recording: Recording) -> PreviewResult:
+    """A recording as it was read."""
+    spans = {name: np.array_split(y, min(_SPANS, y.size)) for name, y in recording.channels.items()}
+    columns = {"t": recording.t, **recording.channels}
+    return PreviewResult(
+        columns=dict(recording.columns),
+        samples=len(recording),
+        rate_hz=recording.rate,
+        duration_s=recording.duration,
+        units={name: unit_of_channel(recording, name) for name in columns},
+        first={name: values[:_ROWS].tolist() for name, values in columns.items()},
+        ranges={name: [float(y.min()), float(y.max())] for name, y in recording.channels.items()},
+        envelope={name: [[float(p.min()), float(p.max())] for p in parts] for name, parts in spans.items()},
+        notes=list(recording.notes),
+    )

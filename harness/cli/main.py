@@ -21,6 +21,7 @@ import click
 from click.shell_completion import shell_complete
 
 from harness.cli import commands
+from harness.cli.output import whole_line
 from harness.core import __version__
 from harness.core.cores import one_thread
 from harness.core.errors import HarnessError, InputError, did_you_mean, visible
@@ -174,7 +175,7 @@ def _explained(error: BaseException) -> tuple[str, int]:
     """The line a person reads and the exit code."""
     match error:
         case HarnessError():
-            return str(error), error.exit_code
+            return whole_line(str(error)), error.exit_code
         case click.UsageError() if error.ctx is not None:
             return f"{error.format_message()} (see {error.ctx.command_path} --help)", error.exit_code
         case click.ClickException():

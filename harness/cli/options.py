@@ -80,9 +80,9 @@ _READING = (
     click.option("--from", "start", type=float, metavar="S", help="Leave out what comes before this time."),
     click.option("--to", "stop", type=float, metavar="S", help="Leave out what comes after this time."),
     click.option("--drop-nan", is_flag=True, help="Leave out rows in which a channel has no value."),
+    click.option("--run", type=int, metavar="N", help="Which run of a file that holds several.  [1]"),
 )
-_RUN = click.option("--run", type=int, metavar="N", help="Which run of a file that holds several.  [1]")
-reading_options = group("reading", dict, _COLUMNS, *_READING, _RUN)
+reading_options = group("reading", dict, _COLUMNS, *_READING)
 """--columns, --skip-rows, --rate, --from, --to, --drop-nan, --run, by the names that ReadOptions has for them."""
 trace_option = click.option("--trace", metavar="NAME", help='Which trace of a .rrd, such as "mujoco tuned".')
 log_options = group(

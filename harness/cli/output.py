@@ -171,6 +171,21 @@ def figure(value: float | None, spec: str = ".4g", after: str = "", times: float
     return "-" if value is None else f"{before}{times * value:{spec}}{after}"
 
 
+_PROPOSED = re.compile(r"try: (?P<options>--.+?)(?P<rest>, which reads .*)?$")
+
+
+def whole_line(message: str) -> str:
+    """A message whose end are options to try, with the whole command that has them; any other as it is."""
+    found, words = _PROPOSED.search(message), shlex.split(this_line())
+    if found is None or not words:
+        return message
+    named = set(re.findall(r"--[a-z-]+", re.sub(r"\"[^\"]*\"", "", found["options"])))
+    valued = named - {"--drop-nan"}
+    pairs = zip(["", *words], words, strict=False)
+    kept = [word for before, word in pairs if before not in valued and not {word, word.partition("=")[0]} & named]
+    return f"{message[: found.start()]}try: {shlex.join(kept)} {found['options']}{found['rest'] or ''}"
+
+
 def with_error(number: "P | None", said: str = "") -> str:
     """A value to the second digit of its standard error, "-" for one that was refused; said : a unit said elsewhere."""
     if number is None or number.value is None:

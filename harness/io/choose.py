@@ -1,6 +1,7 @@
 """Which columns of a table are which channels: as --columns says, else by their names, else by what they hold."""
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -151,6 +152,37 @@ def said(table: Table, mappings: dict[str, Mapping], units: dict[str, Unit], gue
                 f"{channel} from {table.headers[position][:_LONG]} in {shown}{'' if unit else ' (no unit given)'}"
             )
     return f'Read {", ".join(parts)}; to say otherwise: --columns "{",".join(paste)}".'
+
+
+_TURNS = {"x": "", "v": "/s", "a": "/s^2"}
+"""Behind the unit of an angle."""
+
+
+def as_angles(
+    path: Path, read: dict[str, tuple[FloatArray, Unit]]
+) -> tuple[dict[str, tuple[FloatArray, Unit]], str | None]:
+    """What was read of something that turns, channels without a unit in that of an angle, and a sentence on that.
+
+    Raises InputError where a unit is that of a length, and where numbers are neither radians nor degrees of a swing.
+    """
+    bare = [c for c, (_, unit) in read.items() if c in _TURNS and not unit.text]
+    far = next((unit.text for c, (_, unit) in read.items() if c in _TURNS and unit.text and not unit.angular), None)
+    if far is not None:
+        accepted = 'an angle is accepted; what hangs at 0.4 m turns by x / 0.4: "x=COLUMN*2.5[rad]" in --columns'
+        raise InputError("--restoring", f"pendulum, but {path} holds no angle ({far})", accepted)
+    if not bare:
+        return read, None
+    x = read["x"][0] if "x" in bare else np.zeros(1)
+    turn = "deg" if float(np.nanmax(x) - np.nanmin(x)) > 2.0 * np.pi else "rad"
+    if turn == "deg" and not float(np.nanmin(x)) < 0.0 < float(np.nanmax(x)):
+        found = f"no unit, and values from {np.nanmin(x):.6g} to {np.nanmax(x):.6g}"
+        accepted = (
+            'an angle is accepted, "x=COLUMN[deg]" in --columns, or counts of 4096 a turn, "x=COLUMN*0.00153398[rad]"'
+        )
+        raise InputError(f"{path}: column x", found, accepted)
+    units = {c: parse_unit("", c, turn + _TURNS[c]) for c in bare}
+    turned = {c: (read[c][0] * unit.factor, unit) for c, unit in units.items()}
+    return {**read, **turned}, f"Of a pendulum {', '.join(bare)} without a unit is read as an angle, in {turn}."
 
 
 def products(table: Table, mappings: dict[str, Mapping]) -> dict[str, tuple[FloatArray, Unit]]:

@@ -6,6 +6,7 @@ from typing import Any
 
 from harness.core.checks import finite, positive
 from harness.core.errors import InputError
+from harness.core.recording import Recording
 
 UNSAID = float("1")
 """Hz: stands for a rate that nobody has said, while a choice of columns is tried."""
@@ -17,7 +18,8 @@ class ReadOptions:
 
     columns : the text of --columns. skip_rows : lines before the header. rate : Hz, where no column gives the time.
     start, stop : s, the part to keep (--from, --to). drop_nan : leave out rows in which a channel has no value.
-    covariates : further columns, by name (--covariate). run : which run of a file that holds several, from 1.
+    covariates : further columns, by name (--covariate). run : which run of a file that holds several, from 1. angle :
+    whether what moves turns, whatever the file says (--restoring pendulum).
     """
 
     columns: str | None = None
@@ -28,6 +30,7 @@ class ReadOptions:
     drop_nan: bool = False
     covariates: tuple[str, ...] = ()
     run: int | None = None
+    angle: bool = False
 
     def __post_init__(self) -> None:
         if self.skip_rows < 0:
@@ -70,18 +73,44 @@ class RefusedError(InputError):
         self.others = tuple(others)
 
 
-def tried(error: InputError, options: ReadOptions, read: Callable[[ReadOptions], object]) -> InputError:
-    """The error, ended by options with which ``read`` succeeds; as it is where none of its ways leads there."""
+def tried(error: InputError, options: ReadOptions, read: Callable[[ReadOptions], Recording]) -> InputError:
+    """The error, ended by options with which ``read`` succeeds and what it reads then; as it is where none of its ways
+    leads there.
+    """
     if not isinstance(error, RefusedError):
         return error
     found = _first(error, options, read, [_TRIES], _DEPTH)
-    end = error.accepted if found is None else f"try: {found.pasted}"
-    return InputError(error.where, error.found, end)
+    if found is None:
+        return InputError(error.where, error.found, error.accepted)
+    candidate, recording = found
+    rows = begun(recording, timed=candidate.rate is not UNSAID)
+    return InputError(error.where, error.found, f"try: {candidate.pasted}{READS}{rows}")
+
+
+READS = ", which reads "
+"""Between options to paste and what they read."""
+_UNITS = {"x": "m", "v": "m/s", "a": "m/s^2", "u": "N"}
+
+
+def unit_of_channel(recording: Recording, channel: str) -> str:
+    """In which a channel of a recording is."""
+    unit = "s" if channel == "t" else _UNITS[channel]
+    turns = {"m": "rad", "m/s": "rad/s", "m/s^2": "rad/s^2", "N": "N m"}
+    return turns.get(unit, unit) if recording.angular else unit
+
+
+def begun(recording: Recording, rows: int = 3, timed: bool = True) -> str:
+    """The first rows of a recording as they were read."""
+    columns = {**({"t": recording.t} if timed else {}), **recording.channels}
+    return "; ".join(
+        f"{name} {', '.join(f'{value:.5g}' for value in values[:rows])} {unit_of_channel(recording, name)}"
+        for name, values in columns.items()
+    )
 
 
 def _first(
-    error: RefusedError, options: ReadOptions, read: Callable[[ReadOptions], object], left: list[int], depth: int
-) -> ReadOptions | None:
+    error: RefusedError, options: ReadOptions, read: Callable[[ReadOptions], Recording], left: list[int], depth: int
+) -> tuple[ReadOptions, Recording] | None:
     """The first options, of those that a refusal and what follows it propose, that read the file. left : readings."""
     for other in error.others:
         candidate = replace(options, **other)
@@ -89,7 +118,7 @@ def _first(
             continue
         left[0] -= 1
         try:
-            read(candidate)
+            recording = read(candidate)
         except RefusedError as further:
             found = _first(further, candidate, read, left, depth - 1)
             if found is not None:
@@ -97,5 +126,5 @@ def _first(
         except InputError:
             continue
         else:
-            return candidate
+            return candidate, recording
     return None

@@ -14,7 +14,7 @@ from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.bounded import MOST_BYTES, check_file, check_size
 from harness.core.errors import InputError
 from harness.core.recording import CHANNELS, LARGEST, LONGEST_TIME, MINIMUM_SAMPLES, Recording
-from harness.io.choose import chosen, products, quoted_of, said
+from harness.io.choose import as_angles, chosen, products, quoted_of, said
 from harness.io.columns import parse_columns
 from harness.io.options import ReadOptions, RefusedError, tried
 from harness.io.registry import BAGS, formats, kind_of, reader_of
@@ -227,10 +227,10 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     options, step = _with_own_rate(table, options)
     choice = chosen(table, options)
     mappings, guessed = choice.mappings, choice.guessed
-    read = products(table, mappings)
+    read, turns = as_angles(path, products(table, mappings)) if options.angle else (products(table, mappings), None)
     dated = counted_from(table, mappings)
     notes: list[str | None] = [said(table, mappings, {c: unit for c, (_, unit) in read.items()}, guessed)]
-    notes += [*choice.notes, step]
+    notes += [*choice.notes, step, turns]
     asked = options.covariates
     beside = dict(zip(asked, table.read([table.position(name) for name in asked]), strict=True)) if asked else {}
     sizes = {channel: values.size for channel, (values, _) in read.items()}

@@ -31,6 +31,11 @@ motion shows less than half of it up to 26 degrees between them."""
 _FOLLOWS, _GAIN = 0.9, 0.05
 """Correlation with another's slope from which a column is its speed, and by how much it may differ from it."""
 _SI = {"x": "m", "v": "m/s", "a": "m/s^2", "u": "N"}
+_FALLS, _LEFT = 0.95, 0.25
+"""Share of its steps by which a column falls, and of its largest value at its end, from which it is a speed that runs
+down: no swing does so."""
+_MG = 700, 1300
+"""Whole numbers that all lie so far from 0 may be mg of an accelerometer that feels its weight: asked, never taken."""
 _TURN = 2.0 * np.pi
 _SCALED, _NUMBERS, _NAME, _UNIT = range(-1, 3)
 """By what a column's channel is told, the strongest last; a voltage or a count needs its scale first."""
@@ -236,6 +241,10 @@ def _columns(table: Table) -> Iterator[Column]:
             unit = clock_unit(told)
         if channel == "x" and not unit and name.strip().lower() in ANGLES:
             unit = "deg" if float(np.ptp(told)) > _TURN and bool(np.any(np.diff(np.sign(told)))) else "rad"
+        if not channel and float(np.mean(steps <= 0.0)) >= _FALLS and 0.0 <= told.min() < _LEFT * told.max():
+            channel = "v"
+        if not header and np.all(told == np.round(told)) and _MG[0] < np.abs(told).min() <= np.abs(told).max() < _MG[1]:
+            channel, by, unit = "a", _SCALED, "mg"
         if channel != "other":
             given = unit != table.units.get(i)
             yield Column(i, table.quoted(i), name, channel, by, unit, given, mark, rises, values)

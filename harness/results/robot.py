@@ -132,9 +132,26 @@ class Topic(Result):
     notes: list[str] = Field(default_factory=list, description="what was done and what is odd, one sentence each")
 
 
+class PreviewResult(Result):
+    """A recording as it was read, before anything is fitted."""
+
+    columns: dict[str, str] = Field(description="by channel, the column of the file as --columns takes it")
+    samples: int
+    rate_hz: float = Field(description="by the median interval")
+    duration_s: float
+    units: dict[str, str] = Field(description="of what stands below, by channel and t")
+    first: dict[str, list[float]] = Field(description="the first three samples, by channel and t")
+    ranges: dict[str, list[float]] = Field(description="by channel, from the least to the largest value")
+    envelope: dict[str, list[list[float]]] = Field(
+        description="by channel, the least and the largest value in each of up to 144 equal spans of the samples"
+    )
+    notes: list[str] = Field(description="what was guessed, mended and left out, one sentence each")
+
+
 class LogResult(Result):
     """harness log."""
 
     schema_: Literal["harness.log/1"] = Field(default="harness.log/1", alias="schema")
     file: str
     topics: list[Topic]
+    recording: PreviewResult | None = rare()

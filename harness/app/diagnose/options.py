@@ -232,7 +232,7 @@ class DiagnoseOptions:
                 choice(option, given, known)
         acting = tuple(map(_covariate, covariates))
         return cls(
-            replace(reading, covariates=tuple(one.name for one in acting)),
+            replace(reading, covariates=tuple(one.name for one in acting), angle=restoring == Restoring.PENDULUM.value),
             restoring=None if restoring is None else Restoring(restoring),
             zero=zero,  # type: ignore[arg-type]
             engines=registry.usual() if engines is None else tuple(dict.fromkeys(engines)),

@@ -40,7 +40,15 @@ def command(recording: Path, restoring: "Swing", reading: dict[str, Any], trace:
     from harness.app.shared.reading import ReadOptions
 
     with to.told() as progress:
-        result = identify(recording, ReadOptions(**reading), trace, to.out, progress, this_line(), restoring)
+        result = identify(
+            recording,
+            ReadOptions(**reading, angle=restoring == "pendulum"),
+            trace,
+            to.out,
+            progress,
+            this_line(),
+            restoring,
+        )
     to.give(result, _print)
     return 0
 

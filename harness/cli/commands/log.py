@@ -6,30 +6,33 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from harness.cli.options import PATH, json_options, log_options
-from harness.cli.output import Output, figure, say, say_all, show_rows
+from harness.cli.output import Output, figure, say, say_all, say_as_it_is, show_rows
 from harness.core.errors import InputError
 
 if TYPE_CHECKING:
-    from harness.results.robot import LogResult, Topic
+    from harness.results.robot import LogResult, PreviewResult, Topic
 
 _MOST = 20
 """Topics that a table for people shows; --json has all of them."""
-_ROWS = {"table": "rows", "episode": "rows"}
+_COUNTED = {"table": "rows", "episode": "rows"}
 _CALLED = {"magnitude": "|effort|"}
 
 
-@click.command(short_help="What a log of a robot's joints holds: topics, joints, rates, what is odd.")
+@click.command(short_help="What a recording or a log of a robot's joints holds, as it was read.")
 @click.argument("file", type=PATH)
 @log_options
+@click.option("--page", type=PATH, metavar="FILE", help="Write a page that plots a recording.")
 @json_options
-def command(file: Path, reading: dict[str, Any], to: Output) -> int:
-    """What FILE, a log of a robot's joints, holds: topics, joints, fields, units, rate, gaps, and what is odd about it.
+def command(file: Path, reading: dict[str, Any], page: Path | None, to: Output) -> int:
+    """What FILE holds, before anything is fitted: a recording's channels as they were read, with a picture of each, or
+    a log's topics, joints, fields, units, rate and gaps; and what is odd about it.
 
-    Formats: CSV (also .gz), Parquet, MATLAB .mat, .npz, plain text tables; a LeRobot data set (its folder or a file of
+    Formats: those of a recording (harness identify --help); a LeRobot data set (its folder or a file of
     it); bags of ROS 1 (.bag) and ROS 2 (.db3, .mcap, a folder) with sensor_msgs/JointState, by the extra bags.
 
     \b
-    Example: harness log trajectory.db3
+    Example: harness log swing.csv --page swing.html
+             harness log trajectory.db3
              harness log ur5e.csv --gain 12.5
              harness log arm.csv --json - \\
                  --columns "t=clock[ms],elbow.position=enc3[deg]"
@@ -39,17 +42,55 @@ def command(file: Path, reading: dict[str, Any], to: Output) -> int:
     from harness.app.log import LogOptions, log
 
     gain = reading.pop("gain")
-    to.give(log(file, LogOptions(**reading), gain), _print)
+    to.give(log(file, LogOptions(**reading), gain, page), _print)
     return 0
 
 
 def _print(result: "LogResult") -> None:
+    if result.recording is not None and not any(len(topic.joints) > 1 for topic in result.topics):
+        _recording(result.recording)
+    elif result.topics:
+        _log(result)
+
+
+_ROWS, _DOTS = 4, 4
+"""Lines of a picture, and dots of a letter of Braille from top to bottom."""
+
+
+def _recording(found: "PreviewResult") -> None:
+    say(f"{found.samples} samples at {found.rate_hz:.4g} Hz, {found.duration_s:.4g} s")
+    names = list(found.units)
+    rows = [[f"{found.first[name][k]:.6g}" for name in names] for k in range(len(found.first["t"]))]
+    rows.append([found.columns.get(name, "--rate") for name in names])
+    show_rows([f"{name} / {found.units[name]}" for name in names], [*rows[:-1], rows[-1]])
+    for name, spans in found.envelope.items():
+        low, high = found.ranges[name]
+        say(f"{name} from {low:.4g} to {high:.4g} {found.units[name]}")
+        for line in picture(spans, low, high):
+            say_as_it_is(line)
+    for note in found.notes:
+        say(f"- {note}")
+
+
+def picture(spans: list[list[float]], low: float, high: float) -> list[str]:
+    """Spans [least, largest] from left to right as lines of Braille, two to a letter."""
+    dots, scale = _ROWS * _DOTS, (_ROWS * _DOTS - 1) / (high - low or 1.0)
+    bits = ((0x01, 0x02, 0x04, 0x40), (0x08, 0x10, 0x20, 0x80))
+    letters = [[0] * ((len(spans) + 1) // 2) for _ in range(_ROWS)]
+    for k, (least, largest) in enumerate(spans):
+        top, bottom = (dots - 1 - round((value - low) * scale) for value in (largest, least))
+        for dot in range(top, bottom + 1):
+            letters[dot // _DOTS][k // 2] |= bits[k % 2][dot % _DOTS]
+    return ["".join(chr(0x2800 + letter) for letter in line) for line in letters]
+
+
+def _log(result: "LogResult") -> None:
     (only,) = result.topics if len(result.topics) == 1 else (None,)
     if only is None:
         _topics(result.topics)
     else:
         rate = "" if only.rate_hz is None else f" at {only.rate_hz:.4g} Hz"
-        say(f"{only.name}: {only.count} {_ROWS.get(only.type, 'messages')}{rate}, {_gaps(only)}")
+        say(f"{only.name}: {only.count} {_COUNTED.get(only.type, 'messages')}{rate}, {_gaps(only)}")
     for topic in (topic for topic in result.topics[:_MOST] if topic.notes or (topic is only and topic.ranges)):
         if only is None:
             say(f"{topic.name}:")

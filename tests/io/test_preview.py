@@ -1,0 +1,69 @@
+"""Before anything is fitted: what is proposed was tried and shows its rows; what was read can be looked at."""
+
+import json
+import re
+import shlex
+from pathlib import Path
+
+import numpy as np
+import pytest
+from layouts import WRITERS, drawn, lines, rows
+
+from harness.cli.main import run
+from harness.core.errors import InputError
+from harness.io.options import ReadOptions
+from harness.io.recording import read_recording
+
+T = np.arange(400) / 200.0
+X = np.exp(-0.5 * T) * np.cos(10.0 * T)
+
+
+def table(path: Path, header: str, *columns: np.ndarray) -> Path:
+    return lines(path, header, *rows(",", *columns, digits="%.9g"))
+
+
+def test_a_proposal_is_a_whole_command_with_the_rows_it_reads(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = table(tmp_path / "two axes.csv", "time,left,right", T, X, 1.1 * X)
+    line = ["identify", str(path), "--skip-rows", "0", "--json", "-"]
+    monkeypatch.setattr("sys.argv", ["harness", *line])
+    assert run(line) == 2
+    said = capsys.readouterr().err
+    proposed = re.search(r"try: (harness .*), which reads (.*)$", said)
+    assert proposed is not None, said
+    assert "t 0, 0.005, 0.01 s" in proposed[2]
+    words = shlex.split(proposed[1])
+    assert words[:2] == ["harness", "identify"]
+    assert str(path) in words
+    monkeypatch.chdir(tmp_path)
+    assert run(words[1:]) == 0
+
+
+@pytest.mark.parametrize("name", ["vernier_runs", "phyphox_german", "labx"])
+def test_what_was_read_is_shown_and_plotted(tmp_path: Path, name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    rng = np.random.default_rng(1)
+    path, wanted = WRITERS[name](tmp_path, drawn(rng), rng)
+    page, result = tmp_path / "page.html", tmp_path / "log.json"
+    assert run(["log", str(path), "--page", str(page), "--json", str(result)]) == 0
+    shown = capsys.readouterr().out
+    assert any(0x2800 < ord(letter) < 0x2900 for letter in shown)
+    found = json.loads(result.read_text())["recording"]
+    (channel,) = set(wanted) - {"t"}
+    np.testing.assert_allclose(found["first"][channel], wanted[channel][:3], atol=1e-6)
+    np.testing.assert_allclose(found["ranges"][channel], [wanted[channel].min(), wanted[channel].max()], atol=1e-6)
+    assert len(found["envelope"][channel]) <= 144
+    assert "<html" in page.read_text(encoding="utf-8")
+
+
+def test_of_a_pendulum_what_has_no_unit_is_an_angle(tmp_path: Path) -> None:
+    asked = ReadOptions(angle=True)
+    found = read_recording(table(tmp_path / "a.csv", "t,x,v", T, X, np.gradient(X, T)), asked)
+    assert found.angular
+    np.testing.assert_allclose(found["x"], X, rtol=1e-8)
+    found = read_recording(table(tmp_path / "b.csv", "time,adc", T, 40.0 * X), asked)
+    np.testing.assert_allclose(found["x"], np.deg2rad(40.0 * X), rtol=1e-8)
+    with pytest.raises(InputError, match="holds no angle"):
+        read_recording(table(tmp_path / "c.csv", "t,x [mm]", T, X), asked)
+    with pytest.raises(InputError, match="counts of 4096 a turn"):
+        read_recording(table(tmp_path / "d.csv", "t,x", T, 900.0 + 300.0 * X), asked)
