@@ -70,7 +70,7 @@ TOLD = "print(json.dumps(said))"
 def said_with_the_package(place: Path, program: str, **environment: str) -> dict[str, Any]:
     """What a program says in a copy of the house beside which the package is installed, its dispatch made anew."""
     house = Path(harness.__file__).parent
-    shutil.copytree(house, place / "harness", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(house, place / "harness")  # as compiled: times of files are copied too
     shutil.copytree(house.parent / "models", place / "models")
     package = Path(third_party_terms.__file__)
     shutil.copy(package, place / package.name)
