@@ -1,18 +1,11 @@
 """How likely a name is the main effect: what it hangs on, what it comes to, and whence its weights."""
 
-import math
-from types import SimpleNamespace
-from typing import Any
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from benchmarks.calibrate.posterior import Row, fitted, said
-from harness.core.quantity import Quantity
-from harness.diagnosis.fit import standard_errors
-from harness.diagnosis.fit.standard_errors import loosest
 from harness.diagnosis.grading.contest import answered, softmax
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.rules import (
@@ -26,7 +19,6 @@ from harness.diagnosis.rules import (
     TIMES_NEXT,
     Weights,
 )
-from harness.model.model import Model, ModelTerm
 
 
 @given(odds=st.lists(st.floats(-8.0, 8.0), max_size=9))
@@ -58,20 +50,6 @@ def test_what_makes_a_name_more_likely(weights: Weights) -> None:
     for name, weight in weights.values.items():
         if name not in ("one", "cycles"):
             assert (weight > 0.0) is (name in more), name
-
-
-def test_the_loosest_number_is_relative_but_a_phase_in_rad(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A phase near nought is not loose because it is small."""
-    nothing: Any = None
-    said = {"A": Quantity(0.2, 0.01, "N"), "Omega": Quantity(3.0, 0.3, "rad/s"), "phase": Quantity(1e-4, 0.2, "rad")}
-    entry = ModelTerm.named("harmonic-force", A=0.2, Omega=3.0, phase=1e-4)
-    found: Any = SimpleNamespace(model=Model(1.0, 0.1, 9.0, 0.1, terms=(entry,)))
-    monkeypatch.setattr(standard_errors, "term_parameters", lambda *_, **__: said)
-    assert loosest(found, nothing, 0, 3.0) == pytest.approx(0.2)
-    said["phase"] = Quantity(1e-4, None, "rad", "not seen")
-    assert loosest(found, nothing, 0, 3.0) == pytest.approx(0.1)
-    said.clear()
-    assert math.isnan(loosest(found, nothing, 0, 3.0))
 
 
 def rows_of(weights: Weights, count: int, seed: int) -> list[Row]:

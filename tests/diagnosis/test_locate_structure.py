@@ -14,7 +14,7 @@ from harness.diagnosis.explain import holdout as periods
 from harness.diagnosis.explain.locate import locate
 from harness.diagnosis.grading.prediction import Predicted, surely_less
 from harness.diagnosis.inverse_dynamics import holdout as windows
-from harness.diagnosis.motion import Motion
+from harness.diagnosis.motion import Motion, motion_of
 from harness.diagnosis.pipeline import diagnose, explain, fit_base, judge, prepare, search
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.problems.inverse import InverseDynamics
@@ -259,3 +259,20 @@ def test_a_fall_is_sure_by_its_share_of_each_block(after: list[float], sure: boo
     before = _by_span([100.0, 30.0, 10.0, 3.0, 1.0])
     assert surely_less(_by_span(after), before, 2.0) is sure
     assert not surely_less(before, _by_span(after), 2.0)
+
+
+def test_the_motion_is_told_by_any_channel() -> None:
+    t, omega = np.linspace(0.0, 6.0, 1500), 9.0
+    x = np.cos(omega * t)
+    v, a = -omega * np.sin(omega * t), -(omega**2) * np.cos(omega * t)
+    inner = slice(200, -200)
+    for channels in ({"x": x}, {"x": x, "v": v}, {"v": v}, {"a": a}):
+        found = motion_of(t, channels, omega)
+        assert np.max(np.abs(found.x - x)[inner]) < 0.05
+        assert np.max(np.abs(found.v - v)[inner]) < 0.05 * omega
+        assert not found.stuck.any()
+    coarse = motion_of(t[::60], {"x": x[::60]}, omega)
+    assert np.max(np.abs(coarse.v)) > 0.7 * omega
+    rests = motion_of(t, {"x": np.where(t < 3.0, x, x[750]), "v": np.where(t < 3.0, v, 0.0)}, omega)
+    assert rests.stuck[t > 3.01].all()
+    assert not rests.stuck[t < 2.9].any()
