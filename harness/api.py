@@ -228,6 +228,8 @@ def diagnose_joint(
     flip: Sequence[str] = (),
     offset: Mapping[str, float] | None = None,
     angle_unit: str | None = None,
+    join: Sequence[File] = (),
+    rate: float | None = None,
     engines: Sequence[str] | None = None,
     out: File | None = None,
 ) -> DiagnosisResult:
@@ -238,8 +240,8 @@ def diagnose_joint(
     order, or by joint. gravity : m/s^2 in the frame of the base, None for the model's own. payload : kg, and sensor,
     "link" or "motor" : what is known where the whole arm moves. names : of the log's joints, or of a field
     ("elbow.effort"), the model's. flip : joints that turn the other way. offset : rad or m by joint, added to its
-    position. angle_unit : of positions. engines : as in ``diagnose``. out : folder for report, trace and models, as the
-    command leaves them.
+    position. angle_unit : of positions. join, rate : as in ``load_log``. engines : as in ``diagnose``. out : folder for
+    report, trace and models, as the command leaves them.
 
     Raises InputError, SimulationError, StoreError.
     """
@@ -258,9 +260,10 @@ def diagnose_joint(
         flip=tuple(flip),
         offset=offset or {},
         angle_unit=angle_unit,
+        join=tuple(map(Path, join)),
     )
     assert asked is not None
-    options = DiagnoseOptions.chosen(ReadOptions(), engines=engines, robot=asked)
+    options = DiagnoseOptions.chosen(ReadOptions(rate=rate), engines=engines, robot=asked)
     if out is not None:
         return computed(Path(log), asked, options, Path(out))
     with TemporaryDirectory(prefix="friction-harness-") as folder:
@@ -333,6 +336,7 @@ def load_log(
     start: float | None = None,
     stop: float | None = None,
     drop_nan: bool = False,
+    join: Sequence[File] = (),
 ) -> JointLog:
     """Read a log of a robot's joints, in SI units.
 
@@ -340,7 +344,9 @@ def load_log(
     model, in its order: chosen by name, and the names where a log has none. topic : of a bag, or the episode of a data
     set. gain : N m per A at the joint, one for all or by joint. angle_unit : of positions that say none. skip_rows :
     lines before the header. rate : Hz, where no column gives the time. start, stop : s, the part to keep. drop_nan :
-    leave out rows in which a joint has no value. Raises InputError naming what is wrong, and where.
+    leave out rows in which a joint has no value. join : further files of the log, each with a signal of all joints.
+
+    Raises InputError naming what is wrong, and where.
     """
     from harness.app.log import read
 
@@ -356,6 +362,7 @@ def load_log(
         start=start,
         stop=stop,
         drop_nan=drop_nan,
+        join=tuple(map(Path, join)),
     )
 
 

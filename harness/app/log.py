@@ -32,7 +32,7 @@ def log(path: Path, options: LogOptions | None = None, gain: Gain | None = None,
     options = options or LogOptions()
     plain = ReadOptions(**{one.name: getattr(options, one.name) for one in fields(ReadOptions)})
     recording: Recording | InputError = InputError(str(path), "no recording", "a table of one motion is accepted")
-    if source_of(path).kind == "table":
+    if source_of(path).kind == "table" and not options.join:
         try:
             recording = read_recording(path, plain)
         except InputError as error:

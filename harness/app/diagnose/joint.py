@@ -108,6 +108,7 @@ def _read(
         names=asked.names,
         flip=asked.flip,
         offset=asked.offset,
+        join=asked.join,
         skip_rows=reading.skip_rows,
         rate=reading.rate,
         start=reading.start,

@@ -32,7 +32,7 @@ class RobotOptions:
     A) at the joint, for all, one each in the model's order, or by joint. gravity : m/s^2 in the frame of the base, None
     for the model's own. payload : at the last body, kg. sensor : the side of the gearbox on which the torque is
     measured. any_joint : where several move and none is named, the first of them is what a result is of. names, flip,
-    offset, angle_unit : as ``read_joint_log`` has them.
+    offset, angle_unit, join : as ``read_joint_log`` has them.
 
     Raises InputError for a number that is none, or not above 0, and for a side that does not exist.
     """
@@ -48,6 +48,7 @@ class RobotOptions:
     flip: tuple[str, ...] = ()
     offset: Mapping[str, float] = field(default_factory=dict)
     angle_unit: str | None = None
+    join: tuple[Path, ...] = ()
 
     def __post_init__(self) -> None:
         gains = () if self.gain is None else self.gain.values() if isinstance(self.gain, Mapping) else self.gain
@@ -95,6 +96,7 @@ class RobotOptions:
             "flip": list(self.flip),
             "offset": dict(self.offset),
             "angle_unit": self.angle_unit,
+            "join": [str(path.absolute()) for path in self.join],
         }
 
 

@@ -17,8 +17,9 @@ from harness.core.errors import InputError
 from harness.core.robot.joint_log import JointLog
 from harness.io.logs import bags, lerobot
 from harness.io.logs.finish import Finished, Gain, finished
+from harness.io.logs.joined import joined
 from harness.io.logs.raw import CHANNEL, SI_UNITS, Field, LogOptions, Raw, from_found, one_of
-from harness.io.logs.tables import raw_of_file
+from harness.io.logs.tables import raw_of, raw_of_file
 from harness.io.readers.binary import PARQUET
 from harness.io.registry import kind_of, reader_of
 from harness.io.times import GAP
@@ -87,9 +88,14 @@ def _checked_source(path: Path, options: LogOptions, gain: Gain | None) -> Sourc
         if finite("--gain", value) == 0.0:
             raise InputError("--gain", "0", "N m per A, other than 0, are accepted")
     source = source_of(path)
+    if options.join and source.kind == "table":
+        for other in options.join:
+            check_file(other)
+        source = replace(source, files=(path, *options.join))
     reader = reader_of(kind_of(path)) if source.kind == "table" else None
     unfit = {
         "--topic": (options.topic and source.kind == "table", "bags and LeRobot data sets"),
+        "--join": (options.join and (reader is None or not reader.text), "text tables alone"),
         "--columns": (options.columns and source.kind == "bag", "tables"),
         "--rate": (options.rate and source.kind == "bag", "tables"),
         "--skip-rows": (options.skip_rows and (reader is None or not reader.text), "text tables alone"),
@@ -108,8 +114,13 @@ def raw_of_source(source: Source, options: LogOptions) -> Raw:
     reader = reader_of(kind_of(path))
     apart = "harness.io.logs.lerobot" if source.kind == "lerobot" else "harness.io.logs.tables"
     if source.kind == "table" and (reader is None or reader.text):
-        check_size(path, MOST_BYTES)
-        return raw_of_file(path, options)
+        for file in source.files:
+            check_size(file, MOST_BYTES)
+        if not options.join:
+            return raw_of_file(path, options)
+        table = joined(source.files, options.skip_rows)
+        raw = raw_of(table, options)
+        return replace(raw, notes=(*raw.notes, *table.mended))
     accepted = f"a whole {path.suffix or 'LeRobot'} file is accepted"
     found = read_apart(f"{apart}:columns_of", path, accepted, seconds=source.seconds, options=asdict(options))
     return from_found(*found)
