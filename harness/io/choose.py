@@ -8,7 +8,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
-from harness.io.columns import ANGLES, CHANNELS, Mapping, candidates, meaning, parse_columns
+from harness.io.columns import CHANNELS, Mapping, candidates, is_angle, meaning, parse_columns
 from harness.io.options import UNSAID, ReadOptions, RefusedError
 from harness.io.scoring import runs_of
 from harness.io.table import Table
@@ -78,7 +78,7 @@ def _by_names(table: Table, rate: float | None) -> Chosen | None:
     if any(len(positions) > 1 for positions in found.values()):
         return None
     x = found.get("x", [0])[0]
-    if not table.own or (x not in table.units and table.names[x].strip().lower() in ANGLES):
+    if not table.own or (x not in table.units and is_angle(table.names[x])):
         return None
     if not set(found) & {"x", "v", "a"} or ("t" not in found and rate is None):
         return None

@@ -12,8 +12,8 @@ ANGLES = frozenset({"angle", "theta", "phi"})
 _NAMES: dict[str, str] = {
     "t": "t time times stamp timestamp sec secs seconds elapsed",
     "x": "x q qpos pos position displacement disp angle theta phi",
-    "v": "v dq qd qvel vel velocity speed omega theta_dot thetadot dtheta",
-    "a": "a ddq qdd qacc acc accel acceleration alpha theta_ddot",
+    "v": "v dq qd qvel vel velocity speed omega theta_dot thetadot dtheta gx gy gz wx wy wz",
+    "a": "a ddq qdd qacc acc accel acceleration alpha theta_ddot ax ay az gfx gfy gfz",
     "u": "u f tau force torque effort",
 }
 _CHANNEL = {name: channel for channel, names in _NAMES.items() for name in names.split()}
@@ -25,9 +25,37 @@ COMMANDED = frozenset(
 _CLOCKS = {"millis": "ms", "micros": "us", "msec": "ms", "usec": "us", "nsec": "ns"}
 """Names of a time that say its unit."""
 ENDINGS: dict[str, dict[str, str]] = {
-    "t": {"s": "s", "sec": "s", "ms": "ms", "us": "us", "ns": "ns"},
-    "x": {"m": "m", "mm": "mm", "cm": "cm", "um": "um", "rad": "rad", "deg": "deg", "mrad": "mrad"},
-    "v": {"m_s": "m/s", "mm_s": "mm/s", "cm_s": "cm/s", "rad_s": "rad/s", "deg_s": "deg/s", "rpm": "rpm", "mps": "m/s"},
+    "t": {
+        "s": "s",
+        "sec": "s",
+        "seconds": "s",
+        "ms": "ms",
+        "milliseconds": "ms",
+        "us": "us",
+        "microseconds": "us",
+        "ns": "ns",
+    },
+    "x": {
+        "m": "m",
+        "mm": "mm",
+        "cm": "cm",
+        "um": "um",
+        "rad": "rad",
+        "radians": "rad",
+        "deg": "deg",
+        "degrees": "deg",
+        "mrad": "mrad",
+    },
+    "v": {
+        "m_s": "m/s",
+        "mm_s": "mm/s",
+        "cm_s": "cm/s",
+        "rad_s": "rad/s",
+        "deg_s": "deg/s",
+        "rpm": "rpm",
+        "mps": "m/s",
+        "dps": "deg/s",
+    },
     "a": {"m_s2": "m/s^2", "mm_s2": "mm/s^2", "rad_s2": "rad/s^2", "deg_s2": "deg/s^2", "g": "g", "mg": "mg"},
     "u": {"n": "N", "mn": "mN", "kn": "kN", "nm": "N*m", "n_m": "N*m", "mnm": "mN*m", "lbf": "lbf"},
 }
@@ -104,6 +132,14 @@ def word_of(name: str) -> str:
         if alone or (at >= 0 and (len(word) > _SHORT or not word.isascii())):
             ends.append((at + len(word), len(word), channel))
     return max(ends)[2] if ends else ""
+
+
+_ANGLE = re.compile("angle|theta|winkel|ángulo|angolo|angulo|hoek|vinkel|kąt|úhel|açı|угол|角度|각도")
+
+
+def is_angle(name: str) -> bool:
+    """Whether a name says an angle."""
+    return name.strip().lower() in ANGLES or bool(_ANGLE.search(name.lower()))
 
 
 def marked(name: str) -> tuple[tuple[str, ...], str]:

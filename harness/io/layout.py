@@ -30,25 +30,25 @@ class Head:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Layout:
-    """How a program lays out a table. name : as messages say it. find : the table in the first lines, None where they
-    are none of it; it must bear whatever stands in them.
+    """How a program lays out a table. name : as messages say it. find : the table by the first lines and the name of
+    the file, None where they are none of it; it must bear whatever stands in them.
     """
 
     name: str
-    find: Callable[[Sequence[str]], Head | None]
+    find: Callable[[Sequence[str], str], Head | None]
 
 
 def separator_of(lines: Sequence[str]) -> tuple[str, str]:
     """The separator and decimal mark of lines, the last of which is a row."""
     last = lines[-1]
+    commas = [cell for cell in re.split(r"[;\t\s]+", last) if DECIMAL_COMMA.match(cell)]
     text = any(character.isalpha() for character in lines[0])
     if "," not in lines[0] and text and all(map(DECIMAL_COMMA.match, lines[1:])):
         # one name above each pair of digits: a single column
         return ";", ","
     for separator in (";", "\t", ","):
         if separator in last:
-            comma_decimal = separator != "," and "," in last and "." not in last
-            return separator, "," if comma_decimal else "."
+            return separator, "," if separator != "," and commas else "."
     # a single column's name may have blanks
     single = len(last.split()) == 1 and not any("," in line for line in lines)
     return ";" if single else "", "."

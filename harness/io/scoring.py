@@ -14,10 +14,10 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
-from harness.io.columns import ANGLES, CHANNELS, is_commanded, marked, meaning, unit_ending, word_of
+from harness.io.columns import CHANNELS, is_angle, is_commanded, marked, meaning, unit_ending, word_of
 from harness.io.table import Table
 from harness.io.times import SCALES, clock_unit
-from harness.io.units import is_unit_of, parse_unit
+from harness.io.units import RAW, is_unit_of, parse_unit
 
 _MOST_COLUMNS, _MOST_SAMPLES, _MOST_SPEEDS = 64, 20_000, 16
 """Columns that are looked at; of these, samples and columns at which slopes are compared."""
@@ -31,6 +31,17 @@ motion shows less than half of it up to 26 degrees between them."""
 _FOLLOWS, _GAIN = 0.9, 0.05
 """Correlation with another's slope from which a column is its speed, and by how much it may differ from it."""
 _SI = {"x": "m", "v": "m/s", "a": "m/s^2", "u": "N"}
+_FALLS, _LEFT = 0.95, 0.25
+"""Share of its steps by which a column falls, and of its largest value at its end, from which it is a speed that runs
+down: no swing does so."""
+_MG = 700, 1300
+"""Whole numbers that all lie so far from 0 may be mg of an accelerometer that feels its weight: asked, never taken."""
+_TURN = 2.0 * np.pi
+_SCALED, _NUMBERS, _NAME, _UNIT = range(-1, 3)
+"""By what a column's channel is told, the strongest last; a voltage or a count needs its scale first."""
+_COUNTS = {"row", "index", "idx", "sample", "frame", "count", "id", "nr", "no", "cycle", "step", "line"}
+"""Words of a column that counts rows."""
+_NO_SIGN = re.compile(r"^abs|absolute|magnitude|norm|\bsigma|\bstd|uncertainty", re.IGNORECASE)
 _FALLS, _LEFT = 0.95, 0.25
 """Share of its steps by which a column falls, and of its largest value at its end, from which it is a speed that runs
 down: no swing does so."""
@@ -103,7 +114,7 @@ def runs_of(table: Table, timed: bool = True) -> list[list[Reading]]:
 
     timed : whether a column must give the time; there is no run where none can.
     """
-    columns = list(_columns(table))
+    columns = _with_gravity(list(_columns(table)))
     if any(one.name.strip() == "x" for one in columns):  # then what is called y is another axis of it
         axes = [one.name.strip() in ("y", "z") and not one.channel for one in columns]
         columns = [replace(one, channel="x", told=_NAME) if y else one for one, y in zip(columns, axes, strict=True)]
@@ -239,7 +250,7 @@ def _columns(table: Table) -> Iterator[Column]:
         rises = onward >= _RISES
         if channel in ("", "t") and rises and not unit:
             unit = clock_unit(told)
-        if channel == "x" and not unit and name.strip().lower() in ANGLES:
+        if channel == "x" and not unit and i not in table.units and is_angle(name):
             unit = "deg" if float(np.ptp(told)) > _TURN and bool(np.any(np.diff(np.sign(told)))) else "rad"
         if not channel and float(np.mean(steps <= 0.0)) >= _FALLS and 0.0 <= told.min() < _LEFT * told.max():
             channel = "v"
@@ -250,11 +261,25 @@ def _columns(table: Table) -> Iterator[Column]:
             yield Column(i, table.quoted(i), name, channel, by, unit, given, mark, rises, values)
 
 
+_WEIGHTS = {"g": 1.0, "mg": 1e3, "m/s^2": 9.80665, "mm/s^2": 9806.65}
+"""What an accelerometer at rest shows in each unit."""
+_WEIGHT = 0.05
+"""Share by which it may differ: offsets of cheap ones."""
+
+
+def _with_gravity(columns: Sequence[Column]) -> list[Column]:
+    """The columns; accelerations without a unit have the one in which together they feel their weight."""
+    bare = [one for one in columns if one.channel == "a" and not one.unit]
+    rest = float(np.linalg.norm([np.nanmedian(one.values) for one in bare])) if len(bare) > 1 else 0.0
+    unit = next((u for u, size in _WEIGHTS.items() if abs(rest / size - 1.0) < _WEIGHT), "")
+    return [replace(one, unit=unit, told=_UNIT, given=True) if unit and one in bare else one for one in columns]
+
+
 def _by_name(name: str, unit: str | None) -> tuple[str, int, str]:
     """The channel of a column, what tells it, and the unit; "other" for what is none, "" where nothing is said."""
     means = meaning(name)
     named = means.channel if means is not None else word_of(name)
-    if unit is not None and not _RAW.match(unit):
+    if unit is not None and not RAW.match(unit):
         fits = [c for c in CHANNELS if is_unit_of(c, unit)]
         return (named if named in fits else fits[0] if fits else "other"), _UNIT, unit
     if unit is not None:

@@ -13,9 +13,20 @@ from harness.io.units import Unit
 
 _DAY, _HOUR, _MINUTE = 86_400.0, 3600.0, 60.0
 _STAMP = re.compile(
-    r"(?:(?P<day>\d{4}-\d\d-\d\d)[T ])?(?P<h>\d\d?):(?P<m>\d\d):(?P<s>\d\d(?:[.,]\d{1,12})?)"
-    r"(?P<zone>Z|[+-]\d\d:?\d\d)?"
+    r"(?:(?P<day>\d{4}-\d\d-\d\d|\d\d?[./]\d\d?[./]\d{4})[T ])?"
+    r"(?P<h>\d\d?):(?P<m>\d\d):(?P<s>\d\d(?:[.,:]\d{1,12})?)(?P<half> ?[AP]M)?(?P<zone>Z|[+-]\d\d:?\d\d)?"
 )
+
+
+_NOON = 12
+
+
+def _day(text: str) -> int:
+    """Number of a day; which of the two is the month does not matter within one. Raises ValueError for none."""
+    if "-" in text:
+        return date.fromisoformat(text).toordinal()
+    one, other, year = map(int, re.split(r"[./]", text))
+    return (date(year, other, one) if "." in text else date(year, one, other)).toordinal()
 
 
 class Clock:
@@ -34,10 +45,12 @@ class Clock:
         if found is None:
             return None
         try:
-            day = date.fromisoformat(found["day"]).toordinal() if found["day"] else 0
+            day = _day(found["day"]) if found["day"] else 0
         except ValueError:
             return None
-        seconds = _HOUR * int(found["h"]) + _MINUTE * int(found["m"]) + float(found["s"].replace(",", "."))
+        seconds = _HOUR * int(found["h"]) + _MINUTE * int(found["m"]) + float(re.sub("[,:]", ".", found["s"]))
+        if found["half"]:
+            seconds += _HOUR * (12.0 * ("P" in found["half"]) - 12.0 * (int(found["h"]) == _NOON))
         if found["zone"] not in (None, "Z"):
             zone = found["zone"].replace(":", "")
             ahead = _HOUR * int(zone[1:3]) + _MINUTE * int(zone[3:5])

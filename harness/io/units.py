@@ -154,6 +154,18 @@ def parse_unit(where: str, channel: str, text: str | None) -> Unit:
     return Unit(text, float(base.magnitude), "radian" in str(base.units))
 
 
+RAW = re.compile(
+    r"^(?:counts?|cts|ticks?|steps?|raw|lsb|adu|pulses?|px|pixels?|a\.?u\.?|m?v|volts?|%|-|1)?$", re.IGNORECASE
+)
+"""Units of sensors that give no unit of motion."""
+
+
+def is_unit(text: str) -> bool:
+    """Whether a text is a unit of any channel, or one of a sensor as it stands."""
+    known = bool(RAW.match(text)) or text in _USUAL or text in ("°C", "degC")
+    return known or (len(text) > 1 and any(is_unit_of(channel, text) for channel in _BASE))
+
+
 def is_unit_of(channel: str, text: str) -> bool:
     """Whether a text is a unit of a channel."""
     try:

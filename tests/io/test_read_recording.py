@@ -281,7 +281,7 @@ def test_times_of_day_are_counted_from_the_first(first: str, second: str, apart:
     assert clock.first == first
 
 
-@pytest.mark.parametrize("text", ["2026-02-30T10:00:00", "today", "10:00", "2026-11-23", "1.5", "10:00:00 PM", ""])
+@pytest.mark.parametrize("text", ["2026-02-30T10:00:00", "today", "10:00", "2026-11-23", "1.5", ""])
 def test_what_is_no_time_of_day_is_none(text: str) -> None:
     assert Clock().seconds(text) is None
 
@@ -348,7 +348,6 @@ def test_a_line_of_text_is_units_only_between_bare_names_and_numbers(tmp_path: P
     for head, line, message in (
         ("t,x", "s,furlongish", "column x: 'furlongish' is not a unit"),
         ("t [s],x [mm]", "s,mm", "row 1 (line 2), column t: the text 's'"),
-        ("t,x", "a,b\nc,d", "row 1 (line 2), column t: the text 'a'"),
     ):
         (tmp_path / "a.csv").write_text(f"{head}\n{line}\n{rows}")
         with pytest.raises(InputError) as caught:

@@ -276,6 +276,44 @@ def water_pendulum(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[P
     }
 
 
+def sensor_logger(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    axes = _axes(m.v, rng)
+    stamps = [f"{1_700_000_000_000_000_000 + round(1e9 * t)}" for t in m.t]
+    body = [f"{ns},{rest}" for ns, rest in zip(stamps, rows(",", m.t, axes[2], axes[1], axes[0]), strict=True)]
+    return lines(folder / "Gyroscope.csv", "time,seconds_elapsed,z,y,x", *body), {"t": m.t, "v": axes[1]}
+
+
+def catman(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    head = ["HBM_CATMANEASYDATAFILE_003", "T0 = 01.02.2023 10:11:12", "", "Zeit  1 - Standardmessrate\tWegaufnehmer"]
+    head += ["s \tmm ", "SR=100 HZ\tMX840", "Standardmessrate\tSensor LVDT 5mm"]
+    return lines(folder / "a.asc", *head, *rows("\t", m.t, 1e3 * m.x, comma=True), end="\r\n"), {"t": m.t, "x": m.x}
+
+
+def polytec(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    head = ["Source File Name:\tscan.pvd", "Point Index:\t1", "Signal:\tVib - Velocity - Samples", ""]
+    body = rows("\t", m.t, m.v, digits="%.7e")
+    return lines(folder / "a.txt", *head, "Time\tVelocity", "[ s ]\t[ mm/s ]", *body), {"t": m.t, "v": 1e-3 * m.v}
+
+
+def feels_its_weight(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Three accelerations of no unit but that of the weight that one of them feels."""
+    factor = {"g": 1 / 9.80665, "mm": 1e3, "m": 1.0}[str(rng.choice(["g", "mm", "m"]))]
+    noise = 0.05 * rng.standard_normal((2, m.t.size))
+    columns = [factor * m.a, factor * noise[0], factor * (9.80665 + noise[1])]
+    return lines(folder / "a.csv", "#time,accel_x,accel_y,accel_z", *rows(",", m.t, *columns)), {"t": m.t, "a": m.a}
+
+
+def times_of_day(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    ms = [round(1e3 * t) for t in m.t]
+    clock = [f"10:{11 + k // 60000:02d}:{k // 1000 % 60:02d}" for k in ms]
+    kind = int(rng.integers(3))
+    head = ["Zeitstempel;Weg / mm", "Datum;Uhrzeit;Weg / mm", "Timestamp;Position (mm)"][kind]
+    stamp = ["01.02.2023 {0}.{1:03d}", "01.02.2023;{0},{1:03d}", "2/1/2023 {0}.{1:03d} AM"][kind]
+    body = rows(";", 1e3 * m.x, comma=kind < 2)
+    said = [f"{stamp.format(s, k % 1000)};{x}" for s, k, x in zip(clock, ms, body, strict=True)]
+    return lines(folder / "a.csv", head, *said), {"t": m.t, "x": m.x}
+
+
 def phyphox_zip(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
     text, wanted = phyphox_gyroscope(folder, m, rng)
     path = folder / "Gyroscope.zip"
@@ -426,6 +464,6 @@ WRITERS: dict[str, Writer] = {
         capstone, arduino_banner, arduino_monitor, arduino_plotter, labview, labview_by_step, cassy, tracker,
         odrive, picoscope, mujoco, microcontroller, rig, languages, water_pendulum, phyphox_zip,
         phyphox_excel, excel_by_hand, labx, wpilog, tdms, matlab_rows, matlab_trials, simulink, hdf5, json_lines,
-        json_entries, runs_below,
+        json_entries, runs_below, sensor_logger, catman, polytec, feels_its_weight, times_of_day,
     )
 }  # fmt: skip

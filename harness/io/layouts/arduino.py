@@ -11,7 +11,7 @@ _MOST, _LEAST = 0.8, 5
 """Share of the lines that are so, and of how many at least."""
 
 
-def _monitor(lines: Sequence[str]) -> Head | None:
+def _monitor(lines: Sequence[str], name: str) -> Head | None:
     rests = [found["rest"].strip() for line in lines if (found := _STAMPED.match(line.strip()))]
     said = [line for line in lines if line.strip()]
     if len(rests) < max(_MOST * len(said), _LEAST):
@@ -32,7 +32,7 @@ def _monitor(lines: Sequence[str]) -> Head | None:
     return Head(plain=plain)
 
 
-def _plotter(lines: Sequence[str]) -> Head | None:
+def _plotter(lines: Sequence[str], name: str) -> Head | None:
     parts = [_LABELLED.findall(line) for line in lines]
     labels = [tuple(label for label, _ in found) for found in parts]
     usual = max(set(labels), key=labels.count, default=())

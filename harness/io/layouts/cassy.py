@@ -8,7 +8,7 @@ from harness.io.layout import Head, Layout, separator_of
 _FIELD = re.compile(r'^\s*"?(?P<name>[^"]*)"?\s*(?P<symbol>[^/]*?)\s*(?:/\s*(?P<unit>.+))?$')
 
 
-def _find(lines: Sequence[str]) -> Head | None:
+def _find(lines: Sequence[str], name: str) -> Head | None:
     at = next((i for i, line in enumerate(lines) if line.startswith("DEF=")), None)
     if at is None or at + 1 >= len(lines):
         return None

@@ -10,7 +10,7 @@ from harness.io.layout import Head, Layout
 _END = "***End_of_Header***"
 
 
-def _find(lines: Sequence[str]) -> Head | None:
+def _find(lines: Sequence[str], name: str) -> Head | None:
     if lines and lines[0].startswith("waveform"):
         return _waveform(lines)
     if not lines or not lines[0].startswith("LabVIEW Measurement"):

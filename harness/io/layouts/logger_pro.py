@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from harness.io.layout import Head, Layout, is_row
 
 
-def _find(lines: Sequence[str]) -> Head | None:
+def _find(lines: Sequence[str], name: str) -> Head | None:
     if not lines or not lines[0].startswith("Vernier Format"):
         return None
     first = next((i for i, line in enumerate(lines) if is_row(line.split("\t"))), None)

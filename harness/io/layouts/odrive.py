@@ -9,7 +9,7 @@ _OURS = re.compile(r"odrive|axis\d\.|encoder\.(?:pos|vel)_estimate|\b(?:pos|vel)
 _UNITS = (("pos", "turn"), ("vel", "turn/s"), ("current", "A"), ("iq", "A"), ("torque", "N*m"))
 
 
-def _find(lines: Sequence[str]) -> Head | None:
+def _find(lines: Sequence[str], name: str) -> Head | None:
     fields = [cell.strip().strip('"') for cell in lines[0].split(",")] if lines else []
     if len(fields) < 2 or not all(_OURS.search(field) for field in fields[1:]):
         return None

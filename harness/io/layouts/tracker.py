@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from harness.io.layout import Head, Layout, separator_of
 
 
-def _find(lines: Sequence[str]) -> Head | None:
+def _find(lines: Sequence[str], name: str) -> Head | None:
     if len(lines) < 3 or not re.match(r"^[^\W\d][\w .-]{0,60}[\s,;]*$", lines[0]):
         return None
     separator, decimal = separator_of([lines[1], lines[2].strip()])

@@ -13,12 +13,12 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.bounded import read_bytes, unpacked
 from harness.core.errors import InputError
-from harness.io.columns import candidates
+from harness.io.columns import meaning, word_of
 from harness.io.layout import Head, separator_of
 from harness.io.reader import Reader
 from harness.io.table import Table
 from harness.io.times import Clock
-from harness.io.units import split_header, split_headers
+from harness.io.units import is_unit, split_header, split_headers
 
 _HEAD = 1 << 16
 MOST_ROWS = 20_000_000
@@ -28,8 +28,8 @@ _BLOCK = 1 << 22
 _LONGEST_LINE = 1 << 20
 _UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 """Its mark, in either order of bytes."""
-_LOOKED, _ROWS = 60, 3
-"""Lines at the beginning in which a table's first is looked for, and rows that make one."""
+_LOOKED, _ROWS, _HEADS = 60, 3, 2
+"""Lines at the beginning in which a table's first is looked for, rows that make one, and lines of names and units."""
 _MOST_ODD = 0.05
 """Lines of another width that are left out, for each row before them."""
 _COMMENT = ("#", "%")
@@ -76,12 +76,12 @@ def _cells(where: str, line: str, separator: str) -> list[str]:
         raise InputError(where, f"unreadable ({error})", accepted) from None
 
 
-def _known(data: bytes | bytearray) -> Head | None:
+def _known(data: bytes | bytearray, name: str) -> Head | None:
     """The table of a text that one of the layouts knows; None where none does."""
     from harness.io.registry import all_layouts
 
     lines = [_decode(line).rstrip("\r") for line in bytes(data[:_HEAD]).split(b"\n")[:_LOOKED]]
-    return next((head for layout in all_layouts() if (head := layout.find(lines)) is not None), None)
+    return next((head for layout in all_layouts() if (head := layout.find(lines, name)) is not None), None)
 
 
 def _layout(path: Path, data: bytes | bytearray, skip_rows: int) -> tuple[_Layout, str | None]:
@@ -107,48 +107,62 @@ def _layout(path: Path, data: bytes | bytearray, skip_rows: int) -> tuple[_Layou
     if not body:
         raise InputError(str(path), "no rows", "a header and at least 50 rows are accepted")
     separator, decimal = separator_of([text for _, _, text in body[:_LOOKED]])
-    above = _preamble(path, [(n, text) for n, _, text in body[:_LOOKED]], separator, decimal)
-    passed = f"Lines {body[0][0]} to {body[above - 1][0]}, above the table, are passed over." if above else None
-    body = body[above:]
-    number, start, first = body[0]
+    below = _heading(path, [(n, text) for n, _, text in body[:_LOOKED]], separator, decimal)
+    if below is not None:
+        names, said, begin = below
+        number, start, _ = body[begin]
+        more = begin - len({names, said} - {("",) * len(names), ()})
+        passed = f"{more} lines above the numbers, neither names nor units, are passed over." if more else None
+        return _Layout(separator, decimal, names, start, number, said), passed
+    number, start, text = body[0]
     where = f"{path}: line {number}"
-    cells = _cells(where, first, separator)
+    cells = _cells(where, text, separator)
     if _has_number(cells, decimal):
         comments = [text.lstrip("#% ") for n, _, text in shown if n < number and text.startswith(_COMMENT)]
         named = _header(where, comments[-1], separator) if comments else []
         fields = tuple(named) if len(named) == len(cells) else ("",) * len(cells)
-        return _Layout(separator, decimal, fields, start, number), passed
-    cells = _header(where, first, separator)
+        return _Layout(separator, decimal, fields, start, number), None
+    cells = _header(where, text, separator)
     if len(body) == 1:
         raise InputError(str(path), "0 rows under the header", "at least 50 are accepted")
     units = _units(cells, [_cells(f"{path}: line {n}", text, separator) for n, _, text in body[1:3]], decimal)
     number, start, _ = body[2] if units else body[1]
-    return _Layout(separator, decimal, tuple(cells), start, number, units), passed
+    return _Layout(separator, decimal, tuple(cells), start, number, units), None
 
 
-def _preamble(path: Path, lines: Sequence[tuple[int, str]], separator: str, decimal: str) -> int:
-    """How many of the first lines, of another width than the rows or of text, stand above a table and its header.
+def _heading(
+    path: Path, lines: Sequence[tuple[int, str]], separator: str, decimal: str
+) -> tuple[tuple[str, ...], tuple[str, ...], int] | None:
+    """Names and units of a table below other lines, and its first row; None where it begins at once.
 
-    lines : number and text of each of the first ones that are no comment.
+    lines : number and text of each of the first ones that are no comment. The names are the last line above the units,
+    or above the rows, in which one says a channel.
     """
     rows = [_cells(f"{path}: line {n}", text, separator) for n, text in lines]
+    heads = [tuple(_header(f"{path}: line {n}", text, separator)) for n, text in lines]
     width = len(rows[-1])
-
-    def of_names(i: int) -> list[str]:
-        return _header(f"{path}: line {lines[i][0]}", lines[i][1], separator)
-
     full = _is_all_numbers(rows[-1], decimal)
     # numbers and words in one line, where the rows have numbers alone: limits, scales, settings
     mixed = full and _has_number(rows[0], decimal) and not _is_all_numbers(rows[0], decimal)
-    begin, is_row = len(rows), _is_all_numbers if mixed else _has_number
-    while begin > 0 and len(rows[begin - 1]) == width and is_row(rows[begin - 1], decimal):
-        begin -= 1
+    of_numbers = _is_all_numbers if mixed else _has_number
+    fits = np.array([len(row) == width and of_numbers(row, decimal) for row in rows])
+    starts = (i for i in range(fits.size) if np.all(fits[i : i + _ROWS]) and np.mean(fits[i:]) > 1.0 - 2.0 * _MOST_ODD)
+    begin = next(starts, len(rows))
     title = width > 1 and sum(map(bool, rows[0])) == 1  # alone in its line, as a spreadsheet's heading is
-    if (not mixed and not title and width in (len(rows[0]), len(of_names(0)))) or len(rows) - begin < _ROWS:
-        return 0
-    above = [i for i in (begin - 1, begin - 2) if i >= 0 and len(of_names(i)) == width]
-    channels = [i for i in above if candidates([split_header(name)[0] for name in of_names(i)])]
-    return min(channels or above[:1], default=begin)
+    apart = mixed or title or begin > _HEADS or width not in (len(rows[0]), len(heads[0]))
+    if not apart or len(rows) - begin < _ROWS:
+        return None
+    texts = [i for i in range(begin) if len(heads[i]) == width and not _has_number(heads[i], decimal)]
+    of_units = next((i for i in reversed(texts) if all(is_unit(_bare(cell)) for cell in heads[i] if cell)), None)
+    above = [i for i in texts if of_units is None or i < of_units]
+    named = [i for i in above if any(word_of(cell) or meaning(split_header(cell)[0]) for cell in heads[i])]
+    names = max(named or above, default=None)
+    units = () if of_units is None else tuple(map(_bare, heads[of_units]))
+    return ("",) * width if names is None else heads[names], units, begin
+
+
+def _bare(unit: str) -> str:
+    return _BRACKETS.sub(r"\1", unit.strip())
 
 
 def _is_all_numbers(cells: Sequence[str], decimal: str) -> bool:
@@ -172,7 +186,7 @@ def _units(fields: Sequence[str], below: Sequence[Sequence[str]], decimal: str) 
         return ()
     if not all(_number(cell, decimal) is not None or Clock().seconds(cell) is not None for cell in numbers):
         return ()
-    return tuple(_BRACKETS.sub(r"\1", cell.strip()) for cell in said)
+    return tuple(map(_bare, said))
 
 
 def _header(where: str, line: str, separator: str) -> list[str]:
@@ -233,7 +247,7 @@ class TextTable(Table):
     def __init__(self, path: Path, skip_rows: int = 0, data: bytes | None = None) -> None:
         """data : of a table that lies within the file."""
         self._data = _lines(path, _bytes(path) if data is None else data)
-        head = None if skip_rows else _known(self._data)
+        head = None if skip_rows else _known(self._data, path.name)
         if head is not None and head.plain is not None:
             self._data = "\n".join(map(head.plain, _decode(self._data).split("\n"))).encode()
         if head is None or head.first is None:
@@ -348,7 +362,7 @@ class TextTable(Table):
 
 TEXT = Reader(
     name="text tables, also gzipped",
-    suffixes=(".csv", ".txt", ".dat", ".tsv", ".asc", ".tab", ".lvm", ".log", ".prn"),
+    suffixes=(".csv", ".txt", ".dat", ".tsv", ".asc", ".tab", ".lvm", ".log", ".prn", ".mot", ".sto"),
     open=TextTable,
     text=True,
 )
