@@ -17,6 +17,7 @@ from harness.core.recording import Recording
 from harness.core.robot.joint_log import JointLog
 from harness.core.trajectory import Trajectory
 from harness.model.model import Model
+from harness.results.change import ChangeResult
 from harness.results.common import ModelDocument
 from harness.results.compare import CompareResult
 from harness.results.diagnosis import DiagnosisResult
@@ -36,6 +37,7 @@ __all__ = [
     "Recording",
     "RunResult",
     "Trajectory",
+    "change",
     "compare",
     "diagnose",
     "diagnose_joint",
@@ -164,6 +166,34 @@ def diagnose(
         return answer(several, options) if out is None else deliver(several, options, Path(out), "together")
     found = _recording(recording, options.reading.covariates)
     return answer(found, options) if out is None else deliver(found, options, Path(out))
+
+
+def change(
+    before: Sequence[Recording | File],
+    after: Sequence[Recording | File],
+    *,
+    mass: float | None = None,
+    restoring: str | None = None,
+    zero: str | None = None,
+    budget: float | None = None,
+    out: File | None = None,
+) -> ChangeResult:
+    """What changed of a machine between two conditions, by how much, and what did not.
+
+    before, after : recordings of each, one or more; repeats say by how much the machine differs from itself. What a
+    model of viscous and dry friction leaves out of either is named first and then read in both. Other arguments as
+    ``diagnose`` has them. out : folder for result and report, as the command leaves them.
+
+    Raises InputError for recordings that are not of one machine or an option that cannot be used, SimulationError when
+    no model could be simulated, StoreError when ``out`` cannot be written.
+    """
+    from harness.app.diagnose.change import deliver, result_of
+    from harness.app.diagnose.options import DiagnoseOptions
+    from harness.app.shared.reading import ReadOptions
+
+    options = DiagnoseOptions.chosen(ReadOptions(), restoring, zero, (), mass=mass, budget=budget)
+    earlier, later = ([_recording(one) for one in group] for group in (before, after))
+    return result_of(earlier, later, options) if out is None else deliver(earlier, later, options, Path(out))
 
 
 def simulate(model: GivenModel, t: ArrayLike) -> Trajectory:

@@ -8,6 +8,7 @@ from pathlib import Path
 from benchmarks.calibrate import (
     amplitudes,
     colours,
+    conditions,
     covariates,
     driven,
     few_cycles,
@@ -37,6 +38,7 @@ CALIBRATIONS: dict[str, Calibration] = {
     "force-tables": force_tables.CALIBRATION,
     "guard-speed": guard_speed.CALIBRATION,
     "together": together.CALIBRATION,
+    "conditions": conditions.CALIBRATION,
     "forces-together": forces_together.CALIBRATION,
     "driven": driven.CALIBRATION,
     "amplitudes": amplitudes.CALIBRATION,

@@ -8,6 +8,7 @@ from harness.cli.output import figure, say, say_all, say_as_it_is, say_paste, sh
 
 if TYPE_CHECKING:
     from harness.app.diagnose.many import Many
+    from harness.results.change import ChangeResult
     from harness.results.common import RepeatedResult
     from harness.results.diagnosis import AttributionResult, DiagnosisResult, PredictionResult
     from harness.results.fleet import FleetResult
@@ -153,6 +154,25 @@ def _own(result: "DiagnosisResult") -> None:
         cells += [noise if isinstance(noise, str) else f"{noise:.3g}", f"{one.baseline_rmse[channel]:.3g}"]
         rows.append([*cells, *([f"{one.rmse[channel]:.3g}"] if result.mechanisms else [])])
     show_rows([*heads, f"rmse {channel}\n{unit}", *([f"refined\n{unit}"] if result.mechanisms else [])], rows)
+
+
+def say_change(result: "ChangeResult") -> None:
+    """What changed between two conditions."""
+    say(result.statement)
+    rows = [
+        (
+            one.said,
+            with_error(one.before, one.before.unit) if one.before else "-",
+            with_error(one.after, one.after.unit) if one.after else "-",
+            one.before.unit if one.before else "",
+            with_error(one.ratio),
+            "yes" if one.changed else "no",
+        )
+        for one in result.numbers
+    ]
+    show_rows(("", "before", "after", "unit", "after / before", "changed"), rows)
+    say_all(result.warnings)
+    say_as_it_is(f"report: {result.files['report']}")
 
 
 def show_repeated(together: Mapping[str, "RepeatedResult"]) -> None:

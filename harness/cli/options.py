@@ -40,6 +40,24 @@ def group(name: str, make: Callable[..., Any], *options: Callable[[F], F]) -> Ca
     return decorate
 
 
+class Several(click.Option):
+    """An option that takes every word up to the next option: ``--before a.csv b.csv --after c.csv``."""
+
+    def add_to_parser(self, parser: Any, ctx: click.Context) -> None:
+        super().add_to_parser(parser, ctx)
+        own = next(parser._long_opt[name] for name in self.opts)
+        take = own.process
+
+        def process(value: Any, state: Any) -> None:
+            words = [value]
+            while state.rargs and not state.rargs[0].startswith("-"):
+                words.append(state.rargs.pop(0))
+            for word in words:
+                take(word, state)
+
+        own.process = process
+
+
 _JSON = click.option(
     "--json",
     "json_to",

@@ -61,6 +61,11 @@ def rule(name: str, **grown: float) -> Rule:
 
 
 DECISIVE = rule("decisive")
+MOVED = rule("moved")
+MOST_MOVED = rule("most-moved")
+REPEATS = rule("repeats")
+REPEATS_SPRING = rule("repeats-spring")
+REPEATS_KNOWN = rule("repeats-known")
 EVEN = rule("even")
 AMONG_NAMES = rule("among-names", value=DECISIVE.value + 2.0 * math.log(NAMES))
 SECOND_TERM = rule("second-term")

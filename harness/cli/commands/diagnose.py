@@ -9,11 +9,12 @@ from typing import Any
 
 import click
 
-from harness.cli.diagnosis_tables import say_diagnosis, say_many
+from harness.cli.diagnosis_tables import say_change, say_diagnosis, say_many
 from harness.cli.options import (
     JOIN,
     PATH,
     Joint,
+    Several,
     engines_option,
     group,
     jobs_option,
@@ -31,7 +32,7 @@ STANDARD_INPUT = "-"
 
 
 @click.command(short_help="Which physics a simulation leaves out of a recording, and the model that has it.")
-@click.argument("recordings", metavar="RECORDING...", nargs=-1, required=True, type=PATH)
+@click.argument("recordings", metavar="RECORDING...", nargs=-1, type=PATH)
 @click.option("--model", type=PATH, metavar="FILE", help="Your simulation: model.json, MJCF or URDF.")
 @click.option("--sim", type=PATH, metavar="TRACE", help="A trace of your own simulation.")
 @group(
@@ -76,6 +77,26 @@ STANDARD_INPUT = "-"
 @click.option("--budget", type=float, metavar="S", help="Work of trying laws, s of a usual processor.  [120]")
 @reading_options
 @trace_option
+@group(
+    "conditions_of",
+    dict,
+    click.option(
+        "--before",
+        cls=Several,
+        multiple=True,
+        type=PATH,
+        metavar="FILE...",
+        help="Recordings of a machine in one condition; with --after.",
+    ),
+    click.option(
+        "--after",
+        cls=Several,
+        multiple=True,
+        type=PATH,
+        metavar="FILE...",
+        help="The same machine in another: says what changed, and what did not.",
+    ),
+)
 @click.option("--together", is_flag=True, help="The recordings are of one machine: one set of physics.")
 @click.option("--resume", is_flag=True, help="Go on with the files that --out does not hold yet.")
 @jobs_option
@@ -97,6 +118,7 @@ def command(
     robot: Joint | None,
     known: dict[str, Any],
     engines: tuple[str, ...],
+    conditions_of: dict[str, tuple[Path, ...]],
     together: bool,
     resume: bool,
     jobs: int | None,
@@ -119,6 +141,7 @@ def command(
                  --restoring pendulum
              harness diagnose from-20-mm.csv from-60-mm.csv --together
              harness diagnose empty.csv loaded.csv --together --restoring none
+             harness diagnose --before dry-1.csv dry-2.csv --after oiled-1.csv
              harness diagnose decay.csv --model slider.xml
              harness diagnose decay.csv --model mine.json \\
                  --engine mujoco --preset as-shipped
@@ -126,10 +149,12 @@ def command(
              harness diagnose day-*.mcap --robot arm.urdf \\
                  --conditions days.csv
     """
+    before, after = conditions_of["before"], conditions_of["after"]
+    _refuse_conditions(recordings, before, after)
     several = (len(recordings) > 1 or resume) and not together
     # of several recordings one that is not there is an entry among the answers; a log of joints may be a folder
     alone = recordings if len(recordings) == 1 and not resume and robot is None else ()
-    for path in (*alone, sim, chosen["model"], chosen["validate"], conditions):
+    for path in (*alone, *before, *after, sim, chosen["model"], chosen["validate"], conditions):
         if path is not None and str(path) != STANDARD_INPUT:
             check_file(path)
     if sim is None:
@@ -159,6 +184,15 @@ def command(
     if options.robot is not None and several:
         options = replace(options, robot=replace(options.robot, any_joint=options.robot.joint is None))
     _refuse_beside(cluster, several, together, resume, jobs)
+    if before:
+        refuse("given with --before", "it is accepted without", together=together or None, resume=resume, jobs=jobs)
+        from harness.app.diagnose.change import change
+
+        with to.told() as progress:
+            earlier, later = ([(path, str(path)) for path in group] for group in (before, after))
+            changed = change(earlier, later, options, to.out, progress, this_line())
+        to.give(changed, say_change)
+        return 0
     from harness.app.diagnose import many as room
 
     with _named(recordings) as named, to.told() as progress:
@@ -188,6 +222,19 @@ def _refuse_beside(cluster: str | None, several: bool, together: bool, resume: b
     if together:
         accepted = "it is accepted with several that are diagnosed each"
         refuse("given with --together", accepted, resume=resume, jobs=jobs)
+
+
+def _refuse_conditions(recordings: tuple[Path, ...], before: tuple[Path, ...], after: tuple[Path, ...]) -> None:
+    """Raise InputError for conditions that lack one another, or stand beside recordings; for nothing at all."""
+    for name, given, other in (("--before", before, after), ("--after", after, before)):
+        if given and not other:
+            wanted = "--after" if name == "--before" else "--before"
+            raise InputError(name, f"given without {wanted}", f"it is accepted with {wanted} FILE")
+    if before and recordings:
+        accepted = "every recording is accepted behind one of the two"
+        raise InputError(str(recordings[0]), "neither before nor after", accepted)
+    if not before and not recordings:
+        raise click.UsageError("Missing argument 'RECORDING...'.")
 
 
 @contextmanager

@@ -41,7 +41,7 @@ class FittedForces(Kind[InverseDynamics]):
         """By the force."""
         base, scales = force_baseline(problem)
         level = problem.levelled(base.residual, base.memory.independent)
-        return Based(problem, problem, moving(under(base, level), level, scales), scales)
+        return Based(problem, level, moving(under(base, level), level, scales), scales)
 
     def search(self, based: Based[InverseDynamics], other: Judge | None) -> Found:
         """A law is kept if it takes more off than chance does, or if another recording confirms it."""

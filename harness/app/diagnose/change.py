@@ -1,0 +1,196 @@
+"""What changed of a machine between two conditions: harness diagnose --before ... --after ..."""
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from harness.app.diagnose.options import DiagnoseOptions
+from harness.app.diagnose.problem import prepared_together
+from harness.app.shared.leaving import FILES, leave, leaving
+from harness.app.shared.machine import this_machine
+from harness.app.shared.progress import SILENT, Progress
+from harness.app.shared.reading import read_as, recording_info, thinned
+from harness.core.errors import InputError
+from harness.core.quantity import Quantity
+from harness.core.recording import Recording
+from harness.core.telling import listening
+from harness.diagnosis.change import INERTIA, Compared, Number, compared, laws_of
+from harness.diagnosis.outcome import Outcome
+from harness.diagnosis.pipeline import diagnose as conclude
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.problems.forces_together import ForcesTogether
+from harness.diagnosis.problems.together import Together
+from harness.diagnosis.rules import MOVED
+from harness.results.change import ChangedNumber, ChangeResult
+from harness.results.common import P
+from harness.show.report.change import change_page
+
+STEPS = 4
+_SEEN = 3.0
+"""Standard errors from which there was something of a number before."""
+_OPTIONS = ("model", "sim", "horizon", "covariates", "robot", "validate")
+ONE_EACH = (
+    "One recording a condition: by how much repeats differ is assumed (1 %, a spring .3 %); two or more of each say it."
+)
+
+
+def change(
+    before: Sequence[tuple[Path, str]],
+    after: Sequence[tuple[Path, str]],
+    options: DiagnoseOptions,
+    out: Path | None = None,
+    progress: Progress = SILENT,
+    command: str = "",
+) -> ChangeResult:
+    """Compare files of two conditions, path and label of each, and leave result.json and report.html in a folder.
+
+    Raises InputError, SimulationError, StoreError.
+    """
+    progress("reading", 0, STEPS)
+
+    def read(group: Sequence[tuple[Path, str]]) -> list[Recording]:
+        return [read_as(label, path, options.reading, options.trace) for path, label in group]
+
+    return deliver(read(before), read(after), options, out, progress, command)
+
+
+def deliver(
+    before: Sequence[Recording],
+    after: Sequence[Recording],
+    options: DiagnoseOptions,
+    out: Path | None = None,
+    progress: Progress = SILENT,
+    command: str = "",
+) -> ChangeResult:
+    """Compare recordings of two conditions, and leave what was found in a folder."""
+    with leaving("change", out) as output:
+        files = {name: output.at(file) for name, file in FILES.items() if name != "rrd"}
+        result = result_of(before, after, options, progress, command, files)
+        leave(output, result, change_page(result))
+    return result
+
+
+def result_of(
+    before: Sequence[Recording],
+    after: Sequence[Recording],
+    options: DiagnoseOptions,
+    progress: Progress = SILENT,
+    command: str = "",
+    files: Mapping[str, str] | None = None,
+) -> ChangeResult:
+    """What changed. Raises InputError for recordings that are not of one machine, SimulationError."""
+    for name in _OPTIONS:
+        if getattr(options, name) not in (None, ()):
+            raise InputError(f"--{name.removesuffix('s')}", "given with --before", "it is accepted with one recording")
+    recordings = [thinned(one) for one in (*before, *after)]
+    ready = prepared_together(recordings, options)
+    laid, count = ready.problem, len(before)
+    assert isinstance(laid, Together | ForcesTogether)
+    each: Sequence[Problem] = laid.each if isinstance(laid, ForcesTogether) else laid.alone
+    groups = each[:count], each[count:]
+    outcomes: list[Outcome] = []
+    with np.errstate(over="ignore", invalid="ignore"), listening(progress):
+        for i, group in enumerate(groups):
+            progress(("before", "after")[i], 1 + i, STEPS)
+            whole = group[0] if len(group) == 1 else type(laid).laid(group)  # type: ignore[arg-type]
+            outcomes.append(conclude(whole, seconds=options.seconds))
+        progress("what changed", 3, STEPS)
+        found = compared(*groups, laws_of(outcomes))
+    alone = (ONE_EACH,) if max(len(before), len(after)) == 1 else ()
+    unknown = [
+        f"{name}: no model explains the recordings, so that errors allow for what is left over"
+        for name, outcome in zip(("before", "after"), outcomes, strict=True)
+        if outcome.verdict not in ("adequate", "missing_physics")
+    ]
+    infos = [recording_info(one, problem.noise) for one, problem in zip(recordings, each, strict=True)]
+    result = ChangeResult(
+        statement=_statement(found),
+        changed=list(found.found.directions),
+        chance=found.found.chance,
+        left=found.found.left,
+        numbers=_numbers(found),
+        laws=list(found.laws),
+        before=infos[:count],
+        after=infos[count:],
+        warnings=[*ready.warnings, *alone, *unknown, *(n for one in recordings for n in one.notes), *ready.notes],
+        command=command,
+        machine=this_machine(),
+        files=dict(files or {}),
+    )
+    return result.drawn(change_page)
+
+
+def _numbers(compared: Compared) -> list[ChangedNumber]:
+    found, rows = compared.found, []
+    moved = INERTIA in found.directions
+    for i, one in enumerate(compared.numbers):
+        values = [Quantity(float(y[i, 0]), float(y[i, 1]), one.unit) for y in (found.before, found.after)]
+        rows.append(
+            ChangedNumber(
+                name=one.name,
+                said=one.said,
+                before=P.of(values[0]),
+                after=P.of(values[1]),
+                ratio=_ratio(compared, one.name),
+                changed=one.name in found.directions,
+                repeats=float(found.between[i]),
+            )
+        )
+    if INERTIA in found.moves:
+        inertia = ChangedNumber(name=INERTIA, said=INERTIA, ratio=_ratio(compared, INERTIA), changed=moved)
+        rows.append(inertia)
+    return rows
+
+
+def _ratio(compared: Compared, name: str) -> P:
+    """After over before; of an inertia over which all forces are known, its own."""
+    one = compared.found.moves[name]
+    value, error = one.ratio, one.stderr
+    if name == INERTIA:
+        value, error = 1.0 / value, error / value**2
+    if not math.isfinite(value) or not math.isfinite(error):
+        return P.of(Quantity.refused("1", "the recordings do not tell it"))
+    return P.of(Quantity(value, error, "1"))
+
+
+def _statement(compared: Compared) -> str:
+    """What changed, by how much, and what did not."""
+    found = compared.found
+    said = {one.name: one for one in compared.numbers}
+    changed = [_changed(name, said.get(name), compared) for name in found.directions]
+    moved = {INERTIA: set(said)}.get(next(iter(found.directions), ""), set[str]()) | set(found.directions)
+    same = [f"{one.said} (within {_within(compared, one.name)})" for one in compared.numbers if one.name not in moved]
+    if not changed:
+        return f"Nothing changed beyond what repeats differ by: {_listed(same)} stayed."
+    more = ""
+    if found.left < MOVED.value:
+        more = " More differs than these numbers say: a law is missing, or it is another machine."
+    stayed = f" {_capital(_listed(same))} stayed." if same else ""
+    return f"{_capital('; '.join(changed))}.{stayed}{more}"
+
+
+def _changed(name: str, one: Number | None, compared: Compared) -> str:
+    ratio = _ratio(compared, name)
+    if one is not None:
+        i = compared.numbers.index(one)
+        (was, error), (now, spread) = compared.found.before[i], compared.found.after[i]
+        if abs(was) < _SEEN * error:
+            return f"{one.said} is {Quantity(float(now), float(spread), one.unit)}, where there was none to be seen"
+        if abs(now) < _SEEN * spread:
+            return f"{one.said} is gone: it was {Quantity(float(was), float(error), one.unit)}"
+    times = Quantity(ratio.value, ratio.stderr, "1", ratio.why)
+    return f"{INERTIA if one is None else one.said} is {times} times what it was"
+
+
+def _within(compared: Compared, name: str) -> str:
+    return f"{200.0 * compared.found.moves[name].stderr:.2g} %"
+
+
+def _listed(parts: Sequence[str]) -> str:
+    return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}" if parts else "all"
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]

@@ -1,0 +1,108 @@
+"""What changed between two conditions of a machine: decays in closed form, of which one number is another."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import harness
+from harness.cli.main import run
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
+from harness.core.recording import Recording
+
+T: FloatArray = np.arange(900) / 60.0
+
+
+def decay(seed: int, c: float = 0.3, k: float = 100.0, f: float = 0.1, m: float = 1.0, x0: float = 0.1) -> Recording:
+    """A slider let go from x0, swing by swing: between its turning points each is a damped cosine about f / k."""
+    omega, gamma = math.sqrt(k / m), 0.5 * c / m
+    damped = math.sqrt(omega**2 - gamma**2)
+    half, x = math.pi / damped, np.full(T.size, np.nan)
+    start, now = x0, 0.0
+    while now < T[-1] and abs(start) * k > f:
+        about = math.copysign(f / k, start)
+        inside = (now <= T) & (now + half >= T)
+        s = T[inside] - now
+        swing = np.exp(-gamma * s) * (np.cos(damped * s) + gamma / damped * np.sin(damped * s))
+        x[inside] = about + (start - about) * swing
+        start, now = about - (start - about) * math.exp(-gamma * half), now + half
+    x[np.isnan(x)] = start
+    noise = 3e-5 * np.random.default_rng(seed).standard_normal(T.size)
+    return Recording(T, {"x": x + noise}, f"swing-{seed}.csv")
+
+
+def test_friction_that_is_another_is_told_and_what_stayed_stays() -> None:
+    found = harness.change([decay(1), decay(2, x0=0.08)], [decay(3, f=0.15), decay(4, f=0.15, x0=0.09)], zero="spring")
+    assert found.changed == ["f_k"]
+    number = {one.name: one for one in found.numbers}
+    friction = number["f_k"].ratio
+    assert friction.value is not None
+    assert friction.stderr is not None
+    assert friction.value == pytest.approx(1.5, abs=3.0 * friction.stderr)
+    assert friction.stderr < 0.03
+    for name in ("c", "k"):
+        ratio = number[name].ratio
+        assert ratio.value == pytest.approx(1.0, abs=3.0 * (ratio.stderr or 0.0))
+        assert number[name].before == number[name].after
+    assert found.chance < 1e-3 < found.left
+
+
+def test_a_heavier_slider_is_one_change_and_not_three() -> None:
+    found = harness.change([decay(1), decay(2)], [decay(3, m=1.2), decay(4, m=1.2, x0=0.08)], zero="spring")
+    assert found.changed == ["inertia"]
+    (inertia,) = (one.ratio for one in found.numbers if one.name == "inertia")
+    assert inertia.value == pytest.approx(1.2, abs=3.0 * (inertia.stderr or 0.0))
+
+
+def test_repeats_of_one_condition_are_not_called_different() -> None:
+    found = harness.change([decay(1)], [decay(2, x0=0.09)], zero="spring")
+    assert found.changed == []
+    assert found.chance > 0.05
+    assert any("repeats" in line for line in found.warnings)
+
+
+def written(folder: Path, name: str, recording: Recording) -> str:
+    path = folder / name
+    np.savetxt(path, np.column_stack((recording.t, recording["x"])), delimiter=",", header="t [s],x [m]", comments="")
+    return str(path)
+
+
+def test_the_command_takes_every_file_behind_each_condition(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = [written(tmp_path, f"b{i}.csv", decay(i)) for i in (1, 2)]
+    after = written(tmp_path, "a.csv", decay(3, c=0.6))
+    out = tmp_path / "out"
+    words = ["diagnose", "--before", *before, "--after", after, "--zero", "spring", "--out", str(out), "--quiet"]
+    assert run(words) == 0
+    assert sorted(path.name for path in out.iterdir()) == ["log.txt", "report.html", "result.json"]
+    capsys.readouterr()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--before", "A"], "--after FILE"),
+        (["--after", "A"], "--before FILE"),
+        (["A", "--before", "A", "--after", "A"], "behind one of the two"),
+        (["--before", "A", "--after", "A", "--together"], "--together"),
+        (["--before", "A", "--after", "A"], "sample for sample"),
+        (["--before", "A", "--after", "missing.csv"], "no such file"),
+    ],
+)
+def test_conditions_that_say_nothing_are_refused_in_one_line(
+    words: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = written(tmp_path, "a.csv", decay(1))
+    out = tmp_path / "out"
+    assert run(["diagnose", *(path if word == "A" else word for word in words), "--out", str(out)]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") <= 2
+    assert not out.exists()
+
+
+def test_a_decay_and_a_driven_recording_are_not_one_machine() -> None:
+    driven = Recording(T, {"x": decay(1)["x"], "u": np.sin(T)}, "driven.csv")
+    with pytest.raises(InputError, match="not both"):
+        harness.change([decay(1)], [driven])
