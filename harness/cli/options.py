@@ -100,22 +100,22 @@ _READING = (
     click.option("--drop-nan", is_flag=True, help="Leave out rows in which a channel has no value."),
     click.option("--run", type=int, metavar="N", help="Which run of a file that holds several.  [1]"),
 )
-reading_options = group("reading", dict, _COLUMNS, *_READING)
-"""--columns, --skip-rows, --rate, --from, --to, --drop-nan, --run, by the names that ReadOptions has for them."""
-trace_option = click.option("--trace", metavar="NAME", help='Which trace of a .rrd, such as "mujoco tuned".')
-JOIN = click.option(
+_JOIN = click.option(
     "--join",
     type=PATH,
     multiple=True,
     metavar="FILE",
-    help="Another file of the log: tau.csv beside q.csv; may repeat.",
+    help="Another file of the motion: v.csv beside x.csv; may repeat.",
 )
+reading_options = group("reading", dict, _COLUMNS, *_READING, _JOIN)
+"""Those of _READING, --columns and --join, by the names that ReadOptions has for them."""
+trace_option = click.option("--trace", metavar="NAME", help='Which trace of a .rrd, such as "mujoco tuned".')
 log_options = group(
     "reading",
     dict,
     click.option("--columns", metavar="MAP", help='Columns and units: "t=t,elbow.position=q3[deg]".'),
     *_READING,
-    JOIN,
+    _JOIN,
     click.option("--topic", metavar="NAME", help="Which topic of a bag, or episode of a data set."),
     click.option("--gain", type=float, metavar="NM_PER_A", help="Makes efforts of currents, N m per A at the joint."),
     click.option("--angle-unit", metavar="UNIT", help="Of positions that say none, such as deg.  [rad]"),

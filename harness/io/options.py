@@ -1,7 +1,9 @@
 """How somebody wants a recording to be read, and other ways that are tried before a file is refused."""
 
+import shlex
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 from harness.core.checks import finite, positive
@@ -19,7 +21,8 @@ class ReadOptions:
     columns : the text of --columns. skip_rows : lines before the header. rate : Hz, where no column gives the time.
     start, stop : s, the part to keep (--from, --to). drop_nan : leave out rows in which a channel has no value.
     covariates : further columns, by name (--covariate). run : which run of a file that holds several, from 1. angle :
-    whether what moves turns, whatever the file says (--restoring pendulum).
+    whether what moves turns, whatever the file says (--restoring pendulum). join : files of other signals of the same
+    motion.
     """
 
     columns: str | None = None
@@ -31,6 +34,7 @@ class ReadOptions:
     covariates: tuple[str, ...] = ()
     run: int | None = None
     angle: bool = False
+    join: tuple[Path, ...] = ()
 
     def __post_init__(self) -> None:
         if self.skip_rows < 0:
@@ -57,6 +61,7 @@ class ReadOptions:
             "--drop-nan" if self.drop_nan else "",
             "" if self.run is None else f"--run {self.run}",
             *(f"--covariate '{name}'" for name in self.covariates),
+            *(f"--join {shlex.quote(str(name))}" for name in self.join),
         ]
         return " ".join(one for one in said if one)
 

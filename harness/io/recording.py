@@ -16,6 +16,7 @@ from harness.core.errors import InputError
 from harness.core.recording import CHANNELS, LARGEST, LONGEST_TIME, MINIMUM_SAMPLES, Recording
 from harness.io.choose import as_angles, chosen, products, quoted_of, said
 from harness.io.columns import parse_columns
+from harness.io.join import joined
 from harness.io.options import ReadOptions, RefusedError, tried
 from harness.io.registry import BAGS, formats, kind_of, reader_of
 from harness.io.table import Table
@@ -181,6 +182,10 @@ def read_recording(path: Path, options: ReadOptions | None = None, read_rrd: Rrd
     Raises InputError naming the file, row, column or option that is wrong.
     """
     options = options or ReadOptions()
+    if options.join:
+        alone = replace(options, join=())
+        others = [read_recording(one, replace(alone, columns=None), read_rrd) for one in options.join]
+        return joined(read_recording(path, alone, read_rrd), others)
     check_file(path)
     reader = reader_of(kind_of(path))
     try:
@@ -207,7 +212,7 @@ def columns_of(path: Path, digest: str, options: dict[str, Any]) -> Found:
     found = _read_or_propose(path, digest, ReadOptions(**options))
     beside = {_COVARIATE + name: values for name, values in found.covariates.items()}
     about = {"angular": found.angular, "notes": found.notes, "mended": found.mended}
-    about |= {"units": dict(found.units), "columns": dict(found.columns)}
+    about |= {"units": dict(found.units), "columns": dict(found.columns), "extra": dict(found.extra)}
     return {"t": found.t, **found.channels, **beside}, about
 
 
@@ -250,6 +255,7 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
         first, many = table.row(int(np.setdiff1d(rows, whole)[0])), rows.size - whole.size
         mended.append(f"{many} rows without a value, the first of them {first}, are left out.")
         rows = whole
+    about: dict[str, Any] = {"runs": choice.runs}
     if options.rate is not None:
         with np.errstate(over="ignore"):
             t = rows.astype(np.float64) / options.rate
@@ -257,7 +263,8 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     else:
         rows, below = _run_below(read["t"][0], rows, options, choice.runs, str(path))
         t, notes_of_t = _stamped(*read["t"], rows, dated)
-        notes += [*below, *notes_of_t]
+        about = {"runs": max(below, choice.runs), **_clock(read["t"][0][rows], t, dated)}
+        notes += [f"{_BELOW.format(below)}: run {options.run or 1} is read." if below > 1 else None, *notes_of_t]
         _check_rows(table, "t", t, rows)
         t, after, lost = _in_order(table, t, rows)
         t, rows = t[after], rows[after]
@@ -281,6 +288,7 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
             **{channel: unit.text for channel, (_, unit) in read.items() if unit.text},
         },
         angular=angular,
+        extra=about,
         notes=(*filter(None, notes), *filter(None, mended), *sampling_notes(t[keep])),
         covariates=covariates,
         columns={c: quoted_of(table, mappings[c], unit) for c, (_, unit) in read.items()},
@@ -288,10 +296,9 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     )
 
 
-def _run_below(
-    t: FloatArray, rows: IntArray, options: ReadOptions, beside: int, file: str
-) -> tuple[IntArray, list[str | None]]:
-    """The rows of the run that is asked for, where several stand one under another and each begins its time again.
+def _run_below(t: FloatArray, rows: IntArray, options: ReadOptions, beside: int, file: str) -> tuple[IntArray, int]:
+    """The rows of the run that is asked for, where several stand one under another and each begins its time again; and
+    how many there are.
 
     t : of the file, as it stands. beside : runs that stand side by side.
     """
@@ -306,8 +313,20 @@ def _run_below(
     number = 1 if beside > 1 else options.run or 1
     if number > len(runs):
         raise InputError("--run", f"{number} of {len(runs)} in {file}", "a run that the file holds is accepted")
-    said = f"The file holds {len(runs)} runs, one under another: run {number} is read, --run N reads another."
-    return runs[number - 1], [said] if len(runs) > 1 else []
+    return runs[number - 1], len(runs)
+
+
+_BELOW = "The file holds {} runs one under another (--run N)"
+
+
+def _clock(stamps: FloatArray, t: FloatArray, dated: str | None) -> dict[str, Any]:
+    """What another file needs to be put on the clock of this one: the day or time of day of t = 0, or s since 1970."""
+    if dated is not None:
+        return {"dated": dated}
+    with np.errstate(all="ignore"):
+        scale = (t[-1] - t[0]) / (stamps[-1] - stamps[0]) if t.size else 1.0
+        since = stamps[0] * scale - t[0] if t.size else 0.0
+    return {"since": float(since)} if np.isfinite(since) else {}
 
 
 def _with_own_rate(table: Table, options: ReadOptions) -> tuple[ReadOptions, str | None]:

@@ -115,6 +115,9 @@ def runs_of(table: Table, timed: bool = True) -> list[list[Reading]]:
     timed : whether a column must give the time; there is no run where none can.
     """
     columns = _with_gravity(list(_columns(table)))
+    unknown = [one for one in columns if not one.channel and not one.rises]
+    if len(unknown) == 1 and (of_file := word_of(table.path.stem)):  # a signal in a file of its name
+        columns = [replace(one, channel=of_file, told=_NAME) if one is unknown[0] else one for one in columns]
     if any(one.name.strip() == "x" for one in columns):  # then what is called y is another axis of it
         axes = [one.name.strip() in ("y", "z") and not one.channel for one in columns]
         columns = [replace(one, channel="x", told=_NAME) if y else one for one, y in zip(columns, axes, strict=True)]

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from layouts import WRITERS, drawn, lines, rows
 
+from harness.app.shared.reading import read_runs
 from harness.cli.main import run
 from harness.core.errors import InputError
 from harness.io.options import ReadOptions
@@ -67,3 +68,33 @@ def test_of_a_pendulum_what_has_no_unit_is_an_angle(tmp_path: Path) -> None:
         read_recording(table(tmp_path / "c.csv", "t,x [mm]", T, X), asked)
     with pytest.raises(InputError, match="counts of 4096 a turn"):
         read_recording(table(tmp_path / "d.csv", "t,x", T, 900.0 + 300.0 * X), asked)
+
+
+CLOCKS = [("t", 0.0, 0.0), ("stamp", 1.7e9, 1.7e9), ("stamp", 1.7e9, 1.7e9 + 0.4)]
+
+
+@pytest.mark.parametrize(("clock", "one", "other"), CLOCKS)
+def test_one_signal_a_file_is_one_motion(tmp_path: Path, clock: str, one: float, other: float) -> None:
+    fine = np.arange(1200) / 400.0
+    shift = other - one
+    v = np.cos(3.0 * (fine + shift))
+    x = lines(tmp_path / "position.csv", f"{clock},value", *rows(",", one + T, np.sin(3.0 * T) / 3.0, digits="%.9f"))
+    beside = lines(tmp_path / "velocity.csv", f"{clock},value", *rows(",", other + fine, v, digits="%.9f"))
+    found = read_recording(x, ReadOptions(join=(beside,)))
+    assert found.t[0] == pytest.approx(max(shift, 0.0), abs=0.006)
+    np.testing.assert_allclose(found["x"], np.sin(3.0 * found.t) / 3.0, atol=1e-6)
+    np.testing.assert_allclose(found["v"], np.cos(3.0 * found.t), atol=1e-3)
+    assert any("velocity.csv, at the times of position.csv" in note for note in found.notes)
+    with pytest.raises(InputError, match="both hold x"):
+        read_recording(x, ReadOptions(join=(x,)))
+
+
+@pytest.mark.parametrize("name", ["vernier_runs", "runs_below", "matlab_trials"])
+def test_the_runs_of_one_file_are_so_many_recordings(tmp_path: Path, name: str) -> None:
+    rng = np.random.default_rng(2)
+    path, wanted = WRITERS[name](tmp_path, drawn(rng), rng)
+    found = read_runs(str(path), path, ReadOptions())
+    assert len(found) == (3 if name == "vernier_runs" else 2)
+    np.testing.assert_allclose(found[0]["x"], wanted["x"], atol=1e-5)
+    assert len({one.file for one in found}) == len(found)
+    assert len(read_runs(str(path), path, ReadOptions(run=2))) == 1

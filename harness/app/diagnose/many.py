@@ -16,7 +16,7 @@ from harness.app.diagnose.result import STEPS
 from harness.app.shared.deliver import to_json
 from harness.app.shared.machine import cores, package_version
 from harness.app.shared.progress import SILENT, Progress
-from harness.app.shared.reading import read_as
+from harness.app.shared.reading import read_as, read_runs
 from harness.app.shared.rows import folder_of, resumable, worked
 from harness.core.errors import HarnessError, InputError, StoreError
 from harness.core.writing import sweep
@@ -103,7 +103,8 @@ def diagnose_together(
     named : path and label of each. Raises InputError, SimulationError, StoreError.
     """
     progress("reading", 0, STEPS)
-    recordings = [read_as(label, path, options.reading, options.trace) for path, label in named]
+    runs = (read_runs(label, path, options.reading, options.trace) for path, label in named)
+    recordings = [one for each in runs for one in each]
     return deliver(recordings, options, out, "together", progress, command)
 
 

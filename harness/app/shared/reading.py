@@ -21,7 +21,7 @@ from harness.io.options import ReadOptions
 from harness.io.recording import read_recording
 from harness.results.common import RecordingInfo
 
-__all__ = ["ReadOptions", "read", "read_as", "read_sim", "recording_info", "spooled"]
+__all__ = ["ReadOptions", "read", "read_as", "read_runs", "read_sim", "recording_info", "spooled"]
 
 
 def read(path: Path, options: ReadOptions, trace: str | None = None) -> Recording:
@@ -59,6 +59,16 @@ def read_as(label: str, path: Path, options: ReadOptions, trace: str | None = No
         raise InputError(
             error.where.replace(str(path), label), error.found.replace(str(path), label), error.accepted
         ) from None
+
+
+def read_runs(label: str, path: Path, options: ReadOptions, trace: str | None = None) -> list[Recording]:
+    """As ``read_as``, each of the runs that a file holds; the one that is asked for alone."""
+    first = read_as(label, path, options, trace)
+    count = 1 if options.run is not None else int(first.extra.get("runs", 1))
+    rest = [read_as(label, path, replace(options, run=number), trace) for number in range(2, count + 1)]
+    if not rest:
+        return [first]
+    return [replace(one, file=f"{one.file} run {number}") for number, one in enumerate((first, *rest), 1)]
 
 
 @contextmanager

@@ -11,7 +11,6 @@ import click
 
 from harness.cli.diagnosis_tables import say_change, say_diagnosis, say_many
 from harness.cli.options import (
-    JOIN,
     PATH,
     Joint,
     Several,
@@ -63,7 +62,6 @@ STANDARD_INPUT = "-"
         metavar="A[,B,...]",
         help="Of efforts in amperes or another unit: N m per A at the joint; one, one a joint, or NAME=A,..",
     ),
-    JOIN,
     click.option("--names", metavar="MAP", help="The model's names of the log's joints: \"shoulder_link=joint1,..\""),
     click.option("--flip", metavar="NAME,..", help="Joints that turn the other way than in the model."),
     click.option("--offset", metavar="NAME=RAD,..", help="Added to positions: where the model's zero is another."),
@@ -174,13 +172,12 @@ def command(
         ),
         engines=engines or None,
         sim=sim,
-        robot=RobotOptions.chosen(file, joint=joint, gravity=gravity, **known),
+        robot=RobotOptions.chosen(file, joint=joint, gravity=gravity, join=robot and reading["join"], **known),
         **chosen,
     )
     if conditions is not None and (robot is None or not several):
         raise InputError("--conditions", "given", "it is accepted with several logs and --robot FILE")
-    if several:
-        refuse("given with several logs", "it is accepted with one", join=known["join"] or None)
+    refuse("given with several logs", "it is accepted with one", join=(several and reading["join"]) or None)
     if options.robot is not None and several:
         options = replace(options, robot=replace(options.robot, any_joint=options.robot.joint is None))
     _refuse_beside(cluster, several, together, resume, jobs)

@@ -6,7 +6,6 @@ How columns of a robot's log are named: the words, and the shapes of names that 
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any, Literal
 
 from harness.core.apart import Found
@@ -111,7 +110,7 @@ class LogOptions(ReadOptions):
     joints : names in the model's order: they are chosen by name, and are the names where a log has none. topic : of a
     bag, or the episode of a data set. angle_unit : of positions that say none. names : of the log's joints, or of one
     field of them ("elbow.effort"), the model's. flip : joints that turn the other way. offset : what is added to a
-    position, rad or m, by joint. join : further files of the log, each with a signal of all joints.
+    position, rad or m, by joint. join : here each file has a signal of all joints.
     """
 
     joints: tuple[str, ...] | None = None
@@ -120,7 +119,6 @@ class LogOptions(ReadOptions):
     names: Mapping[str, str] = field(default_factory=dict)
     flip: tuple[str, ...] = ()
     offset: Mapping[str, float] = field(default_factory=dict)
-    join: tuple[Path, ...] = ()
 
     def __post_init__(self) -> None:
         ReadOptions.__post_init__(self)
