@@ -6,7 +6,8 @@ parameter of it is wrong), FAULT:COMMAND (a recording at rest, or with a fault t
 whole (recordings against which nothing is to be said), faster (a simulation whose frequency is off), drifting-clock,
 misfit (identify of a hidden law), undamped (identify of nearly no damping), layouts (files of loggers), goals (a
 commanded position in one), still (an axis at rest most of the time, slowly and irregularly sampled), wrapped (an angle
-within a turn), loads (an arm that carries a load unsaid), slips (a robot's joint that sticks), pastes (what is pasted
+within a turn), loads (an arm that carries a load unsaid), run-downs (an effect hidden in one),
+run-down-controls (none), slips (a robot's joint that sticks), pastes (what is pasted
 of one that swings), and files of engines by name (cap-rk4 and others: a joint of a file as it is).
 """
 
@@ -16,7 +17,18 @@ import time
 from collections.abc import Sequence
 from functools import partial
 
-from benchmarks.draws import engine_cases, faults, layouts, logs, pairs, rates, robot_joints, simulations, together
+from benchmarks.draws import (
+    engine_cases,
+    faults,
+    layouts,
+    logs,
+    pairs,
+    rates,
+    robot_joints,
+    run_downs,
+    simulations,
+    together,
+)
 from benchmarks.draws.shared import Draw, interval
 
 KINDS: dict[str, Draw] = {
@@ -40,6 +52,8 @@ KINDS: dict[str, Draw] = {
     "still": logs.still,
     "wrapped": logs.wrapped,
     "loads": logs.loads,
+    "run-downs": run_downs.named,
+    "run-down-controls": run_downs.controls,
     "slips": robot_joints.slips,
     "pastes": robot_joints.pastes,
     **{kind: partial(engine_cases.answer, kind=kind) for kind in engine_cases.KINDS},

@@ -35,6 +35,7 @@ from harness.diagnosis.kinds.known import kind_of
 from harness.diagnosis.outcome import Grade, Holdout, Outcome, Tried
 from harness.diagnosis.prepare.driven import driven_problem, is_driven
 from harness.diagnosis.prepare.free_decay import free_decay_problem, together
+from harness.diagnosis.prepare.run_down import run_down_problem, runs_down
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.request import Asked
@@ -48,6 +49,7 @@ from harness.diagnosis.tables.step import with_force_tables, with_tables
 from harness.diagnosis.verdict import judge as verdict_of
 from harness.diagnosis.verdict import weighed
 from harness.kernels.solve import Scales
+from harness.model.model import Restoring
 
 _SEARCHED = 0.7
 """Share of them for the search; the rest is for grading where nothing explains a recording."""
@@ -82,7 +84,8 @@ def prepare(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...
     Raises InputError for options that contradict the recording and for what cannot be diagnosed, SimulationError.
     """
     if not is_driven(recording):
-        return free_decay_problem(recording, asked)
+        falls = asked.restoring is Restoring.NONE or runs_down(recording, asked.restoring)
+        return run_down_problem(recording, asked) if falls else free_decay_problem(recording, asked)
     problem, notes = driven_problem(recording, asked)
     if not isinstance(problem, InverseDynamics):
         return problem, notes

@@ -70,6 +70,8 @@ class Problem(ABC):
     force_noise: ForceNoise | None = None
     provides: ClassVar[frozenset[str]] = frozenset()
     """What a term may need that every problem of this kind has; see ``given``."""
+    returns: ClassVar[bool] = True
+    """Whether the motion comes back to the same places and speeds, in both directions."""
 
     def __post_init__(self) -> None:
         ones = np.ones(self.t.size)
@@ -125,8 +127,25 @@ class Problem(ABC):
         """What a term may need of a recording (see ``Term.needs``), "spring" apart, which is the model's."""
         # on a linear spring what pushes all the time moves the rest position, which no speed or acceleration shows
         shown = "x" in self.channels or self.restoring is not Restoring.SPRING
-        own = {"angle": self.angular, "zero": shown and not self.zero_free}
+        zero = shown and not self.zero_free and self.returns
+        own = {"angle": self.angular, "zero": zero, "returns": self.returns}
         return self.provides | {need for need, met in own.items() if met}
+
+    @property
+    def rough(self) -> tuple[Model, ...]:
+        """Base models to start from, where the recording itself tells them; else they are made from its swing."""
+        return ()
+
+    @property
+    def scales(self) -> Scales | None:
+        """What counts as ordinary in it, where that is not its swing's."""
+        return None
+
+    def periods(self, x: FloatArray, residual: FloatArray) -> tuple[float, ...]:
+        """Periods of travel (m) at which a fit's residual (N,) stands out over its places x (n,), where they are looked
+        for.
+        """
+        return ()
 
     @property
     def base_names(self) -> tuple[str, ...]:

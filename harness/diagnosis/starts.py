@@ -104,6 +104,20 @@ class OneStart:
 
 
 @dataclass(frozen=True, slots=True)
+class AtSpeed(OneStart):
+    """The same of a motion whose place nothing shows: it begins at 0."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The speed."""
+        return ("v0",)
+
+    def part(self, keep: range) -> "AtSpeed":
+        """The same."""
+        return self
+
+
+@dataclass(frozen=True, slots=True)
 class InMotion(OneStart):
     """The whole from one start that lies within a motion: internal states are as the recorded motion has left them.
 

@@ -103,13 +103,13 @@ def _channels(recording: Recording, problem: Problem) -> tuple[tuple[Consistency
     Raises InputError for a free decay of fewer than three half-cycles, and for channels that are not of one motion.
     """
     name, y = next(iter(problem.channels.items()))
-    if not is_driven(recording):
+    if problem.returns and not is_driven(recording):
         count = _half_cycles(y, problem.noise[name].sigma)
         if count < FEWEST_HALF_CYCLES:
             what = f"{count} half-cycle{'' if count == 1 else 's'}"
             accepted = f"at least {FEWEST_HALF_CYCLES} are accepted"
             raise InputError(f"{recording.file}: channel {name}", what, accepted)
-    omega = dominant_frequency(problem.t, y)
+    omega = dominant_frequency(problem.t, y) if problem.scales is None else problem.scales.omega
     if not 0.0 < omega < 1e300:
         return (), ()
     channels = consistency(problem.t, problem.channels, problem.noise, omega, problem.angular)

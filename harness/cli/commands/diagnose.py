@@ -51,7 +51,9 @@ STANDARD_INPUT = "-"
     metavar="NAME[:KIND]",
     help="A column that acts: force, friction or damping; may repeat.  [KIND chosen at the base fit]",
 )
-@click.option("--mass", type=float, metavar="KG", help="Mass, where it is known: forces in N.")
+@click.option(
+    "--mass", "--inertia", "mass", type=float, metavar="KG", help="Mass, or kg m^2, where it is known: forces in N."
+)
 @click.option("--restoring", metavar="spring|pendulum|none", help="What pulls it back.  [chosen at the base fit]")
 @robot_options
 @group(

@@ -17,7 +17,7 @@ from itertools import product
 
 import numpy as np
 
-from harness.core.arrays import FloatArray, IntArray
+from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.diagnosis.covariates.following import enter
 from harness.diagnosis.fit.model_fit import Fit, fit
@@ -27,6 +27,7 @@ from harness.diagnosis.parameters import base_of, free_of, with_values
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.driven import Forced
 from harness.diagnosis.problems.simulated import COARSE
+from harness.fit.along_travel import peaks
 from harness.kernels.solve import Scales
 from harness.model.elsewhere import Elsewhere, parted
 from harness.model.model import Model
@@ -52,14 +53,6 @@ _MANY_CYCLES = 20.0
 """A phase that is off by a hundredth, as a spectrum gives it, has then slipped by a radian."""
 _ABOVE_NOISE = 0.15
 """Of the first peak: smaller ones may be noise or rest, and do not count for the decay that a fit starts from."""
-
-
-def peaks(power: FloatArray) -> IntArray:
-    """Indices (k,) of the local maxima of a spectrum (n,), strongest first; its ends are none."""
-    inner = power[1:-1]
-    tops = np.flatnonzero((inner > power[:-2]) & (inner >= power[2:])) + 1
-    strongest: IntArray = tops[np.argsort(power[tops])[::-1]]
-    return strongest
 
 
 def dominant_frequency(t: FloatArray, y: FloatArray) -> float:
@@ -184,8 +177,8 @@ def baseline(problem: Problem) -> tuple[Fit, Scales]:
     """
     if problem.alone:
         return _of_several(problem, [baseline(one) for one in problem.alone])
-    models = starts(problem)
-    scales = scales_of(problem, math.sqrt(models[0].k / models[0].m))
+    models = problem.rough or starts(problem)
+    scales = problem.scales or scales_of(problem, math.sqrt(models[0].k / models[0].m))
     best = _best(_attempts(models, problem, scales))
     best = _with_care(best, replace(problem, acting=()), scales)
     return (enter(best, problem, scales).fit if problem.acting else best), scales

@@ -32,7 +32,7 @@ def refuse_no_swing(base: Fit, problem: Problem) -> None:
     """
     accepted = "a slider let go, or the force that moves it as a column u, is accepted"
     count = Strokes.by(base.shown.v).count
-    if count < FEWEST_HALF_CYCLES:
+    if problem.returns and count < FEWEST_HALF_CYCLES:
         half = f"{count} half-cycle{'' if count == 1 else 's'}"
         found = f"no free decay: the best fit has {half}, not {FEWEST_HALF_CYCLES}; a drifting sensor looks like this"
         raise InputError("recording", found, accepted)

@@ -58,7 +58,7 @@ class Swing:
     @classmethod
     def of(cls, problem: Problem, omega: float) -> "Swing | None":
         """As a recording shows it, None where it cannot be followed from sample to sample; omega in rad/s."""
-        if problem.drive is not None or problem.alone or problem.t.size < 2:
+        if problem.drive is not None or problem.alone or not problem.returns or problem.t.size < 2:
             return None
         cycle = 2.0 * math.pi / omega
         span = float(problem.t[-1] - problem.t[0])

@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 
-from harness.diagnosis.baseline.base_fit import peaks
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.inverse_dynamics.protocol import periods
 from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.problems.measured import Measured
 from harness.diagnosis.search.look import Recorded, within
 from harness.diagnosis.search.screen import direct, screen
+from harness.fit.along_travel import peaks
 from harness.kernels.solve import Scales
 from harness.model.model import Model
 from harness.model.registry import NAMED

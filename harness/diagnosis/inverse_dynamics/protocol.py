@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.diagnosis.baseline.base_fit import peaks
 from harness.diagnosis.problems.asked import inverse_force
+from harness.fit.along_travel import PER_CYCLE, spectrum, standing_out
 from harness.model.model import Model
 
 _FASTER, _LONGER = 2.5, 4
@@ -116,12 +116,8 @@ _FEWEST_CYCLES = 1.5
 """Over the travel, of a law that is fitted beside others: fewer are a spring's shape."""
 _SLOW = 3
 """Periods of fewer cycles than the protocol's that are looked at."""
-_PER_CYCLE = 4
-"""Frequencies tried per one over the travel."""
 _MOVING = 0.05
 """Of the largest speed: slower, friction may have any value and the place hardly changes."""
-_PLACES = 1 << 13
-"""Places over the travel, twenty to the shortest period."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,9 +138,9 @@ def find_ripple(model: Model, recording: Filtered) -> Ripple:
     moving = np.abs(r.v) > _MOVING * float(np.max(np.abs(r.v)))
     x, y = r.x[moving], left[moving] - float(np.mean(left[moving]))
     travel = float(np.ptp(x))
-    power = _spectrum(x, y, _LEAST_CYCLES, _MOST_CYCLES)
+    power = spectrum(x, y, _LEAST_CYCLES, _MOST_CYCLES)
     best = 2.0 * math.pi / periods(x, y, 1)[0]
-    near = best + np.linspace(-1.0, 1.0, 41) * 2.0 * math.pi / (_PER_CYCLE * travel)
+    near = best + np.linspace(-1.0, 1.0, 41) * 2.0 * math.pi / (PER_CYCLE * travel)
     best = float(near[int(np.argmax(_power(x, y, near)))])
     basis = np.column_stack((np.cos(best * x), np.sin(best * x)))
     cosine, sine = np.linalg.lstsq(basis, y, rcond=None)[0]
@@ -154,23 +150,8 @@ def find_ripple(model: Model, recording: Filtered) -> Ripple:
 
 def periods(x: FloatArray, force: FloatArray, count: int = 6) -> list[float]:
     """Periods (m) at which a force (n,) left over at positions x (n,) stands out, strongest first, and slow ones."""
-    fine = _standing_out(x, force, _LEAST_CYCLES, _MOST_CYCLES)[:count]
-    return [*fine, *_standing_out(x, force, _FEWEST_CYCLES, _LEAST_CYCLES)[:_SLOW]]
-
-
-def _standing_out(x: FloatArray, force: FloatArray, fewest: float, most: float) -> list[float]:
-    travel = float(np.ptp(x))
-    power = _spectrum(x, force - float(np.mean(force)), fewest, most)
-    return [travel / (fewest + i / _PER_CYCLE) for i in peaks(power).tolist()]
-
-
-def _spectrum(x: FloatArray, y: FloatArray, fewest: float, most: float) -> FloatArray:
-    """Squared amplitude from the fewest to the most cycles over the travel, by sums over short places: linear in n."""
-    travel = float(np.ptp(x))
-    place = np.minimum(((x - x.min()) / travel * _PLACES).astype(np.int64), _PLACES - 1)
-    sums = np.bincount(place, y, _PLACES)
-    power: FloatArray = np.abs(np.fft.rfft(sums, _PER_CYCLE * _PLACES)) ** 2
-    return power[round(fewest * _PER_CYCLE) : round(most * _PER_CYCLE)] * (2.0 / x.size) ** 2
+    fine = standing_out(x, force, _LEAST_CYCLES, _MOST_CYCLES)[:count]
+    return [*fine, *standing_out(x, force, _FEWEST_CYCLES, _LEAST_CYCLES)[:_SLOW]]
 
 
 def _power(x: FloatArray, y: FloatArray, wave: FloatArray) -> FloatArray:

@@ -6,9 +6,17 @@ from harness.diagnosis.kinds.driven import DrivenRecordings
 from harness.diagnosis.kinds.free_decay import DecaysTogether, FreeDecays
 from harness.diagnosis.kinds.inverse_dynamics import FittedForces, ForcesOfSeveral
 from harness.diagnosis.kinds.kind import Kind
+from harness.diagnosis.kinds.run_down import RunDowns
 from harness.diagnosis.problem import Problem
 
-_KINDS: tuple[Kind[Any], ...] = (DrivenRecordings(), FittedForces(), FreeDecays(), DecaysTogether(), ForcesOfSeveral())
+_KINDS: tuple[Kind[Any], ...] = (
+    DrivenRecordings(),
+    FittedForces(),
+    FreeDecays(),
+    DecaysTogether(),
+    ForcesOfSeveral(),
+    RunDowns(),
+)
 
 
 def kind_of(problem: Problem) -> Kind[Any]:

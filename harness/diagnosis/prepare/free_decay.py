@@ -39,9 +39,6 @@ def free_decay_problem(recording: Recording, asked: Asked) -> tuple[FreeDecay, t
 
     Raises InputError for options that contradict the recording, and for what cannot be diagnosed.
     """
-    if asked.restoring is Restoring.NONE:
-        found = "none, but no force u is recorded" if "u" not in recording else "none, but the force u is 0 throughout"
-        raise InputError("--restoring", f"{found} in {recording.file}", "a recorded force, or spring, is accepted")
     recording, beyond = believed(recording, ("x", "v"))
     moving = _in_motion(recording, asked.restoring or Restoring.SPRING)
     recording, notes = moving.recording, (*beyond, *moving.notes)

@@ -13,7 +13,6 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
-from harness.diagnosis.baseline.base_fit import peaks
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.rules import (
@@ -26,6 +25,7 @@ from harness.diagnosis.rules import (
     SCREEN_SHARE,
 )
 from harness.diagnosis.search.screen import Candidate, direct, screen
+from harness.fit.along_travel import peaks
 from harness.kernels.solve import Scales
 from harness.model.model import ModelTerm
 from harness.model.term import Evidence, Term
@@ -123,6 +123,7 @@ def evidence(fit: Fit, problem: Problem, scales: Scales) -> Evidence:
         knock_times=knocks,
         driven="driven" in problem.given,
         angular=problem.angular,
+        periods=problem.periods(fit.shown.x, fit.residual),
     )
 
 

@@ -101,6 +101,7 @@ TERM = Term(
     amplitude=1,
     internal=2,
     speeds=(1,),
+    needs=("returns",),
     example=(21.0, 0.1, 0.03),
     implied=ridden,
     order=230,

@@ -40,7 +40,7 @@ TERM = Term(
     "The spring has a dead zone of {gap} either side of the middle.",
     law,
     probes,
-    needs=("spring",),
+    needs=("spring", "returns"),
     example=(0.06,),
     corner=True,
     place=place,

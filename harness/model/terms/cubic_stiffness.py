@@ -26,6 +26,7 @@ TERM = Term(
     "The spring is not linear: a cubic force k3 x^3 with k3 = {k3} (above 0 hardens, below 0 softens).",
     law,
     amplitude=0,
+    needs=("returns",),
     example=(20.0,),
     place=always("large-displacement", "as x^3"),
     elements=made_of,

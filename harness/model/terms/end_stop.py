@@ -73,6 +73,7 @@ def _stop(variant: str, side: str, law: Callable[..., None], sides: tuple[int, .
         probes,
         amplitude=1,
         variant=variant,
+        needs=("returns",),
         example=(0.53, 200.0),
         corner=True,
         place=place,

@@ -30,6 +30,7 @@ TERM = Term(
     "Friction changes with time: f_k (1 + rate t), rate = {rate}.",
     law,
     amplitude=0,
+    needs=("returns",),
     example=(-0.2,),
     place=place,
     told_from={"position-dependent-friction": AGAIN, "quadratic-drag": AGAIN},

@@ -23,6 +23,7 @@ TERM = Term(
     "Friction grows with the load of the spring: f_k (1 + gain |x|), gain = {gain}.",
     law,
     amplitude=0,
+    needs=("returns",),
     corner=True,
     example=(0.8,),
     place=always("large-displacement", "in proportion to |x|"),

@@ -25,7 +25,7 @@ TERM = Term(
     law,
     amplitude=0,
     corner=True,
-    needs=("angle",),
+    needs=("angle", "returns"),
     variant="gravity",
     example=(0.8,),
     place=always("large-displacement", "in proportion to |sin x|"),

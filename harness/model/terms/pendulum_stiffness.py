@@ -22,7 +22,7 @@ TERM = Term(
     (),
     "The restoring force is that of a pendulum, k sin x, and not of a linear spring.",
     law,
-    needs=("angle",),
+    needs=("angle", "returns"),
     place=always("large-displacement", "as x - sin x"),
     order=150,
 )

@@ -42,6 +42,7 @@ TERM = Term(
     amplitude=0,
     phase=2,
     variant="periodic",
+    needs=("returns",),
     example=(0.4, 0.3, 0.3),
     taken=0.08,
     order=60,

@@ -21,6 +21,7 @@ TERM = Term(
     "Friction changes along the rail: f_k (1 + slope x), slope = {slope}.",
     law,
     amplitude=0,
+    needs=("returns",),
     example=(0.4,),
     taken=0.08,
     order=50,

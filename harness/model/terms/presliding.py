@@ -84,6 +84,7 @@ TERM = Term(
     law,
     probes,
     internal=1,
+    needs=("returns",),
     example=(2000.0, 5.0),
     corner=True,
     implied=bent,

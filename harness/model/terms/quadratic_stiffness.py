@@ -26,6 +26,7 @@ TERM = Term(
     "The two sides of the spring differ: a force k2 x^2 with k2 = {k2}.",
     law,
     amplitude=0,
+    needs=("returns",),
     example=(20.0,),
     place=always("large-displacement", "as x^2"),
     elements=made_of,

@@ -23,7 +23,7 @@ TERM = Term(
     "The stiffness changes with time, by a fraction {rate}.",
     law,
     amplitude=0,
-    needs=("spring",),
+    needs=("spring", "returns"),
     example=(-0.1,),
     place=always("late", "in proportion to t"),
     told_from={"clock-drift": "the same decay with its acceleration measured besides, or by a clock that is known"},

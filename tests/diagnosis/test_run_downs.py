@@ -1,0 +1,113 @@
+"""Run-downs: what is let go in motion and pulled back by nothing. Truths are closed forms of m v' = -f_k - c v."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import harness
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
+from harness.core.recording import Recording
+from harness.results.common import P
+
+NOISE = 2e-3
+"""rad."""
+
+
+def told(t: FloatArray, **channels: FloatArray) -> Recording:
+    """A recording of a wheel, with a sensor's noise on each channel."""
+    random = np.random.default_rng(4)
+    noisy = {c: y + random.normal(0.0, NOISE, y.size) for c, y in channels.items()}
+    return Recording(t, noisy, file="wheel.csv", angular=True)
+
+
+def coulomb(t: FloatArray, v0: float, f: float) -> tuple[FloatArray, FloatArray]:
+    """Angle and speed under dry friction f alone: a straight line down, then rest."""
+    s = np.minimum(t, v0 / f)
+    return v0 * s - 0.5 * f * s**2, v0 - f * s
+
+
+def viscous(t: FloatArray, v0: float, c: float, f: float) -> tuple[FloatArray, FloatArray]:
+    """The same under damping c besides: an exponential towards -f/c, until it stops."""
+    s = np.minimum(t, math.log1p(c * v0 / f) / c if f > 0.0 else math.inf)
+    e = np.exp(-c * s)
+    return (v0 + f / c) * (1.0 - e) / c - f / c * s, (v0 + f / c) * e - f / c
+
+
+def holds(found: P, truth: float) -> None:
+    """An estimate holds a truth within four of its standard errors."""
+    assert found.value is not None
+    assert found.stderr is not None
+    assert abs(found.value - truth) < 4.0 * found.stderr
+
+
+T = np.arange(0.0, 12.0, 0.02)
+
+
+def test_a_straight_line_down_is_dry_friction_alone() -> None:
+    found = harness.diagnose(told(T, x=coulomb(T, 20.0, 2.5)[0]), engines=())
+    assert found.verdict == "adequate"
+    holds(found.baseline.parameters["f_k"], 2.5)
+    assert found.baseline.parameters["c"].value == pytest.approx(0.0, abs=1e-3)
+
+
+def test_an_exponential_is_damping_alone_and_a_tachometer_is_enough() -> None:
+    found = harness.diagnose(told(T, v=viscous(T, 30.0, 0.4, 0.0)[1]), engines=())
+    assert found.verdict == "adequate"
+    holds(found.baseline.parameters["c"], 0.4)
+    assert found.baseline.parameters["f_k"].value == pytest.approx(0.0, abs=1e-2)
+
+
+def test_forces_are_of_an_inertia_that_is_known_and_both_directions_are_one() -> None:
+    x, v = viscous(T, 25.0, 0.2, 1.5)
+    found = harness.diagnose(told(T, x=-x, v=-v), mass=0.03, engines=())
+    assert found.verdict == "adequate"
+    holds(found.baseline.parameters["c"], 0.2 * 0.03)
+    holds(found.baseline.parameters["f_k"], 1.5 * 0.03)
+    assert "per" not in found.baseline.parameters["f_k"].unit
+
+
+def test_what_comes_before_it_and_after_it_is_left_out() -> None:
+    t = np.arange(0.0, 40.0, 0.02)
+    x, _ = viscous(np.maximum(t - 5.0, 0.0), 25.0, 0.2, 1.5)
+    x += 25.0 * np.minimum(t - 5.0, 0.0)
+    found = harness.diagnose(told(t, x=x), engines=())
+    assert found.verdict == "adequate"
+    holds(found.baseline.parameters["c"], 0.2)
+    holds(found.baseline.parameters["f_k"], 1.5)
+    assert len([line for line in found.recording.notes if "left out" in line]) == 2
+
+
+def test_what_no_run_down_parts_is_said() -> None:
+    found = harness.diagnose(told(T, x=viscous(T, 25.0, 0.2, 1.5)[0]), engines=())
+    assert any("one direction" in line and "grade" in line for line in found.recording.notes)
+    assert any("ratios" in line for line in found.recording.notes)
+
+
+def test_a_part_that_is_held_out_is_predicted() -> None:
+    found = harness.diagnose(told(T, x=viscous(T, 25.0, 0.2, 1.5)[0]), engines=())
+    assert found.holdout.baseline_rmse["x"] < 2.0 * NOISE
+
+
+def test_a_creep_that_nothing_stops_is_read_where_it_is_said_to_run_down() -> None:
+    creeping = told(T, x=viscous(T, 25.0, 0.4, 0.0)[0])
+    with pytest.raises(InputError, match="--restoring none"):
+        harness.diagnose(creeping)
+    found = harness.diagnose(creeping, restoring="none", engines=())
+    holds(found.baseline.parameters["c"], 0.4)
+
+
+def test_no_run_down_is_refused_where_nothing_runs_down() -> None:
+    steady = told(T, x=3.0 * T)
+    with pytest.raises(InputError):
+        harness.diagnose(steady, restoring="none")
+    with pytest.raises(InputError):
+        harness.diagnose(steady)
+
+
+def test_the_command_leaves_page_trace_and_models(tmp_path: Path) -> None:
+    harness.diagnose(told(T, x=viscous(T, 25.0, 0.2, 1.5)[0]), out=tmp_path / "left")
+    for file in ("report.html", "trace.rrd", "model/model.json"):
+        assert (tmp_path / "left" / file).stat().st_size > 0
