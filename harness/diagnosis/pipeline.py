@@ -194,7 +194,7 @@ def _said(judged: Judged) -> Outcome:
     warned = cautions(found, judgement, prediction) if by_force is None else cautions_of_force(by_force)
     said = () if stepping is None else (stepping.sentence,)
     numbers = base_parameters(found.base, problem, scales.omega, verdict == "adequate")
-    if verdict == "adequate" and driven:
+    if verdict == "adequate" and (driven or not problem.returns):
         hidden = could_hide(found, scales)
         said = (*said, *hiding(numbers, hidden))
         numbers = with_systematic(numbers, hidden)
