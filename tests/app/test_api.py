@@ -44,9 +44,23 @@ def test_every_option_of_a_command_is_an_argument_with_its_default(name: str) ->
     elsewhere = {"no_shift", "json_to", "quiet", "recordings", "jobs", "resume", "together", "sim_trace"}
     elsewhere |= {"sim_columns", "sim_skip_rows", "sim_rate"}
     # of a robot's joint: diagnose_joint and run_joint
-    elsewhere |= {"robot", "joint", "gravity", "gain", "payload", "sensor", "names", "flip", "offset", "angle_unit"}
+    elsewhere |= {
+        "robot",
+        "joint",
+        "gravity",
+        "gain",
+        "payload",
+        "sensor",
+        "names",
+        "flip",
+        "offset",
+        "angle_unit",
+        "join",
+    }
     # of many recordings in one call: the library leaves the loop over them to its user
     elsewhere |= {"cluster", "conditions"}
+    # of two conditions: change; the page of what log has read is for people
+    elsewhere |= {"before", "after", "page"}
     for option in command.params:
         assert option.name in own or option.name in reading or option.name in elsewhere, option.name
         if isinstance(option, Option) and option.name in own:

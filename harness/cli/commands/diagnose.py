@@ -177,8 +177,8 @@ def command(
         robot=RobotOptions.chosen(file, joint=joint, gravity=gravity, join=robot and reading["join"], **known),
         **chosen,
     )
-    if conditions is not None and (robot is None or not several):
-        raise InputError("--conditions", "given", "it is accepted with several logs and --robot FILE")
+    with_robot = conditions if robot is None or not several else None
+    refuse("given", "it is accepted with several logs and --robot FILE", conditions=with_robot)
     refuse("given with several logs", "it is accepted with one", join=(several and reading["join"]) or None)
     if options.robot is not None and several:
         options = replace(options, robot=replace(options.robot, any_joint=options.robot.joint is None))
