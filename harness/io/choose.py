@@ -192,7 +192,7 @@ def products(table: Table, mappings: dict[str, Mapping]) -> dict[str, tuple[Floa
     """
     at = {name: table.position(name) for mapping in mappings.values() for name in mapping.names}
     positions = sorted(set(at.values()))
-    columns = dict(zip(positions, table.read(positions), strict=True))
+    columns = dict(zip(positions, table.columns(positions), strict=True))
     return {channel: _product(table, mapping, at, columns) for channel, mapping in mappings.items()}
 
 

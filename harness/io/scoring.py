@@ -8,6 +8,7 @@ has a time of its own, each is a run.
 
 import re
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -21,6 +22,8 @@ from harness.io.units import RAW, is_unit_of, parse_unit
 
 _MOST_COLUMNS, _MOST_SAMPLES, _MOST_SPEEDS = 64, 20_000, 16
 """Columns that are looked at; of these, samples and columns at which slopes are compared."""
+_MOST_CELLS, _FEWEST = 50_000_000, 5
+"""Numbers that are looked at, 400 MB, and columns however long they are."""
 _RISES = 0.99
 """Share of its steps by which a time goes on: a clock may be set back once."""
 _HALF = 0.5
@@ -232,12 +235,18 @@ def _follows(t: Column, x: Column, other: Column, gain: float | None = None) -> 
 
 
 def _columns(table: Table) -> Iterator[Column]:
-    for i in range(min(len(table.names), _MOST_COLUMNS)):
+    some = [
+        i
+        for i, header in enumerate(table.headers[:_MOST_COLUMNS])
+        if not (is_commanded(header) or _NO_SIGN.search(header))
+    ]
+    with suppress(InputError, IndexError):  # one of text, which is read, and left out, below
+        some = some[: max(_MOST_CELLS // max(table.columns(some[:1])[0].size, 1), _FEWEST)]
+        table.columns(some)
+    for i in some:
         header = table.headers[i]
-        if is_commanded(header) or _NO_SIGN.search(header):
-            continue
         try:
-            values = table.read([i])[0]
+            values = table.columns([i])[0]
         except InputError:
             continue
         known = np.flatnonzero(np.isfinite(values))

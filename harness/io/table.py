@@ -14,6 +14,9 @@ from harness.core.errors import InputError
 from harness.io.columns import quoted
 from harness.io.units import split_header
 
+MOST_KEPT = 10_000_000
+"""Numbers of a table that are kept while it is understood: 80 MB."""
+
 
 class Table(ABC):
     """Named columns of one file.
@@ -34,6 +37,7 @@ class Table(ABC):
         self.mended: list[str] = []
         self.rate: float | None = None
         self.own = True
+        self._kept: dict[int, FloatArray] = {}
 
     @abstractmethod
     def read(self, positions: Sequence[int]) -> list[FloatArray]:
@@ -41,6 +45,14 @@ class Table(ABC):
 
         Raises InputError naming row and column where a cell is not a number.
         """
+
+    def columns(self, positions: Sequence[int]) -> list[FloatArray]:
+        """As ``read``; what was read before, of a table that is not large, is not read again."""
+        new = [i for i in dict.fromkeys(positions) if i not in self._kept]
+        found = self._kept | dict(zip(new, self.read(new) if new else (), strict=True))
+        if sum(values.size for values in found.values()) <= MOST_KEPT:
+            self._kept = found
+        return [found[i] for i in positions]
 
     def row(self, index: int) -> str:
         """How sample ``index`` (from 0) is called in a message."""
