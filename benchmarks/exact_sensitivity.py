@@ -10,9 +10,9 @@ import math
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
+from harness.core.arrays import FloatArray, read_only
 from harness.core.jit import compiled
-from harness.exact.decay import Decay, check_outputs, check_times, read_only
+from harness.exact.decay import Decay, check_outputs, check_times
 from harness.exact.flow import discriminant, flow
 from harness.exact.segments import CENTRE, DIRECTION, POSITION, SPEED, START, half_cycles
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from harness.core.arrays import FloatArray, ModeArray
+from harness.core.arrays import FloatArray, ModeArray, read_only
 from harness.core.checks import finite, increasing, not_negative, positive, vector
 from harness.core.errors import InputError
 from harness.core.events import EventKind, Events
@@ -173,13 +173,6 @@ def check_times(decay: Decay, t: FloatArray) -> None:
         raise InputError(f"free decay: t, row {row + 1}", f"{t[row]:.9g} s", "times that do not decrease are accepted")
     if t.size:
         check_span(decay, float(t[-1]))
-
-
-def read_only(t: FloatArray) -> FloatArray:
-    """A view no kernel can write to, so that one compiled form serves every caller."""
-    view = t.view()
-    view.flags.writeable = False
-    return view
 
 
 def fill_uniform(decay: Decay, t0: float, dt: float, x: FloatArray, v: FloatArray, a: FloatArray) -> None:

@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from harness.core.arrays import FloatArray, IntArray, ModeArray
+from harness.core.arrays import FloatArray, IntArray, ModeArray, read_only
 from harness.core.budget import allowed, spend
 from harness.core.checks import finite, increasing, vector
 from harness.core.errors import InputError, SimulationError
@@ -174,13 +174,6 @@ def _columns(layout: Layout, by: tuple[By, ...]) -> tuple[IntArray, FloatArray]:
     return columns, start
 
 
-def _read_only(values: FloatArray) -> FloatArray:
-    """A contiguous view no kernel can write to, so that one compiled form serves every caller."""
-    view = np.ascontiguousarray(values, dtype=np.float64).view()
-    view.flags.writeable = False
-    return view
-
-
 @compiled
 def _in_order(times: FloatArray) -> bool:
     """Whether there are times, all finite, and none comes before the one before it."""
@@ -194,7 +187,7 @@ def _in_order(times: FloatArray) -> bool:
 
 def _times(t: FloatArray, where: str = "simulation: t") -> FloatArray:
     """Sample times, checked."""
-    times = _read_only(t)
+    times = read_only(t)
     if times.ndim == 1 and _in_order(times):
         return times
     if times.ndim != 1 or times.size == 0:
@@ -257,7 +250,7 @@ def solve(
     h_max = 2.0 * math.pi / scales.omega / shortest_cycle
     h_stick = min(h_max, 2.0 * math.pi / _LOOKS / max(layout.fastest, scales.omega))
     at_once, pace = _AT_ONCE * effort.steps_per_cycle + 20 * u_t.size, effort.steps_per_cycle * scales.omega / math.pi
-    fixed = (_read_only(u_t), _read_only(u_y), steps_up, times, h_stick, at_once, pace, most, want_a)
+    fixed = (read_only(u_t), read_only(u_y), steps_up, times, h_stick, at_once, pace, most, want_a)
     while True:
         record = workspace(layout.spec, layout.theta, len(layout.names), columns, error, layout.start, start)
         record.h_max, record.sensitivity_error = h_max, _SENSITIVITY * effort.tolerance

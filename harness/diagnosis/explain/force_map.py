@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.core.arrays import BoolArray, FloatArray, IntArray
+from harness.core.arrays import BoolArray, FloatArray, IntArray, read_only
 from harness.core.jit import compiled
 from harness.diagnosis.motion import Motion
 from harness.diagnosis.smoothed_state.local_cubics import at, over, times, times_turned
@@ -170,11 +170,12 @@ def force_map(
     scale = max(rms.get("a", 0.0), rms.get("v", 0.0) * omega, rms.get("x", 0.0) * omega**2, 1e-300)
     start = np.array([(scale / omega**2) ** 2, (scale / omega) ** 2, scale**2]) * 4.0
     force, spread = np.empty(n), np.empty(n)
+    t_s = read_only(t)
 
     def run(rate: float, keep: bool) -> float:
         wander = (rate * scale) ** 2 * omega
         return float(
-            _compiled_smooth(t, r, variance, damping, stiffness, motion.stuck, wander, start, keep, force, spread)
+            _compiled_smooth(t_s, r, variance, damping, stiffness, motion.stuck, wander, start, keep, force, spread)
         )
 
     best = min(_RATES, key=lambda rate: run(rate, False))

@@ -12,7 +12,7 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from harness.core.arrays import BoolArray, FloatArray, IntArray
+from harness.core.arrays import BoolArray, FloatArray, IntArray, read_only
 from harness.core.jit import compiled
 from harness.diagnosis.problems.simulated import factor, frictionless, frictionless_terms, pushed
 from harness.kernels.integrate import mode_moving
@@ -150,8 +150,8 @@ def _asked(model: Model, path: Path, weight: FloatArray, by: Numbers = ()) -> tu
     size = int(np.count_nonzero(path.counts))
     force, partials = np.empty(size), np.empty((size, len(by)))
     by_blocks(
-        path.t, path.x - model.offset, path.v, path.a, inside, inside_by, model.m, weight, path.counts, places, work,
-        force, partials,
+        read_only(path.t), path.x - model.offset, path.v, path.a, inside, inside_by, model.m, weight, path.counts,
+        places, work, force, partials,
     )  # fmt: skip
     return force, partials
 

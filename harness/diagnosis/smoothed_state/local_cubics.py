@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import chdtri
 
-from harness.core.arrays import BoolArray, FloatArray, IntArray
+from harness.core.arrays import BoolArray, FloatArray, IntArray, read_only
 from harness.core.jit import compiled
 
 _HALF_WIDTHS = (4, 6, 9, 13, 20, 30, 45)
@@ -91,7 +91,14 @@ def _local(
         out[j, 5] = left / max(hi - lo - count, 1)
 
 
-local = compiled(_local)
+_compiled_local = compiled(_local)
+
+
+def local(t: FloatArray, y: FloatArray, first: IntArray, last: IntArray, at: IntArray, half: IntArray) -> FloatArray:
+    """What ``_local`` writes, (m, 6)."""
+    out = np.empty((at.size, 6))
+    _compiled_local(read_only(t), read_only(y), first, last, at, read_only(half), out)
+    return out
 
 
 def stretches(t: FloatArray, longest: float) -> tuple[IntArray, IntArray]:
@@ -138,17 +145,14 @@ def smoothed(
         best = half
     every = np.arange(t.size)
     halves = _halves(t, y, first, last, best, sigma) if everywhere else np.full(t.size, best)
-    out = np.empty((t.size, 6))
-    local(t, y, first, last, every, halves, out)
+    out = local(t, y, first, last, every, halves)
     noise = max(math.sqrt(float(np.median(out[:, 5]))), sigma)
     return Smooth(out[:, 0], out[:, 1], out[:, 2], noise * np.sqrt(out[:, 3]), noise * np.sqrt(out[:, 4]), halves)
 
 
 def _cubics(t: FloatArray, y: FloatArray, first: IntArray, last: IntArray, at: IntArray, half: int) -> FloatArray:
-    """What ``local`` writes, (m, 6), with one half width."""
-    out = np.empty((at.size, 6))
-    local(t, y, first, last, at, np.full(t.size, half), out)
-    return out
+    """As ``local``, (m, 6), with one half width."""
+    return local(t, y, first, last, at, np.full(t.size, half))
 
 
 def _halves(t: FloatArray, y: FloatArray, first: IntArray, last: IntArray, widest: int, sigma: float) -> IntArray:
@@ -175,9 +179,7 @@ def _halves(t: FloatArray, y: FloatArray, first: IntArray, last: IntArray, wides
 def smoothed_alike(t: FloatArray, y: FloatArray, longest: float, half: IntArray) -> FloatArray:
     """Another channel (n,) through the cubics of these half widths (n,), so that both have passed the same filter."""
     first, last = stretches(t, longest)
-    out = np.empty((t.size, 6))
-    local(t, y, first, last, np.arange(t.size), half, out)
-    return out[:, 0]
+    return local(t, y, first, last, np.arange(t.size), half)[:, 0]
 
 
 def _times(a: FloatArray, b: FloatArray, out: FloatArray) -> None:

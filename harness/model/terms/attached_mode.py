@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
+from harness.core.arrays import FloatArray, read_only
 from harness.core.jit import compiled
 from harness.model.law import D_INTERNAL, D_MASS, D_PARAMETER, D_V, MASS, VALUE
 from harness.model.term import Evidence, History, Parameter, Probe, Slot, States, Term
@@ -73,7 +73,7 @@ def _ride(t: FloatArray, v: FloatArray, at: FloatArray, omega: float, zeta: floa
 
 def _ridden(motion: History, omega: float, zeta: float) -> FloatArray:
     found = np.zeros((motion.at.size, 2))
-    _ride(motion.t, motion.v, motion.at, omega, zeta, found)
+    _ride(read_only(motion.t), read_only(motion.v), read_only(motion.at), omega, zeta, found)
     return found
 
 

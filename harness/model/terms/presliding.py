@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
+from harness.core.arrays import FloatArray, read_only
 from harness.core.jit import compiled
 from harness.model.law import D_INTERNAL, D_LEVEL, D_PARAMETER, D_V, VALUE
 from harness.model.term import REST, Evidence, History, Parameter, Probe, Slot, States, Term, always
@@ -71,7 +71,7 @@ def bent(values: Probe, motion: History) -> States:
     if sigma0 <= 0.0 or level <= 0.0:
         return States(np.zeros((motion.at.size, 1)))
     found = np.zeros((motion.at.size, 3))
-    _bend(motion.t, motion.v, motion.at, sigma0, level, found)
+    _bend(read_only(motion.t), read_only(motion.v), read_only(motion.at), sigma0, level, found)
     return States(found[:, :1], {0: found[:, 1:2], "f_k": found[:, 2:]})
 
 

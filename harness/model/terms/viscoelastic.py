@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
+from harness.core.arrays import FloatArray, read_only
 from harness.core.jit import compiled
 from harness.model.law import D_INTERNAL, D_PARAMETER, D_V, VALUE
 from harness.model.term import Evidence, History, Parameter, Probe, Slot, States, Term
@@ -46,7 +46,7 @@ def _stretch(t: FloatArray, v: FloatArray, at: FloatArray, tau: float, out: Floa
 def stretched(values: Probe, motion: History) -> States:
     """As the recorded speed has left it, relaxed at first."""
     found = np.zeros((motion.at.size, 2))
-    _stretch(motion.t, motion.v, motion.at, values[1], found)
+    _stretch(read_only(motion.t), read_only(motion.v), read_only(motion.at), values[1], found)
     return States(found[:, :1], {1: found[:, 1:]})
 
 
