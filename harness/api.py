@@ -340,6 +340,7 @@ def log(
     start: float | None = None,
     stop: float | None = None,
     drop_nan: bool = False,
+    join: Sequence[File] | None = None,
 ) -> LogResult:
     """What a log of a robot's joints holds: topics, joints, fields, units, rates, gaps, and what is odd about it.
 
@@ -349,7 +350,10 @@ def log(
     from harness.app.log import LogOptions
     from harness.app.log import log as answer
 
-    options = LogOptions(columns, skip_rows, rate, start, stop, drop_nan, topic=topic, angle_unit=angle_unit)
+    files = tuple(map(Path, join or ()))
+    options = LogOptions(
+        columns, skip_rows, rate, start, stop, drop_nan, topic=topic, angle_unit=angle_unit, join=files
+    )
     return answer(Path(file), options, gain)
 
 
