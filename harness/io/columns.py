@@ -22,7 +22,7 @@ COMMANDED = frozenset(
     | {"error", "err", "action"}
 )
 """Words of a name by which it is not what was measured."""
-_CLOCKS = {"millis": "ms", "micros": "us", "msec": "ms", "usec": "us", "nsec": "ns"}
+_CLOCKS = {"nanosec": "ns", "nsecs": "ns", "millis": "ms", "micros": "us", "msec": "ms", "usec": "us", "nsec": "ns"}
 """Names of a time that say its unit."""
 ENDINGS: dict[str, dict[str, str]] = {
     "t": {
@@ -67,7 +67,7 @@ _WORDS: dict[str, str] = {
     "spostamento angolo posição posicao deslocamento positie verplaatsing hoek vinkel läge avstånd położenie kąt "
     "przemieszczenie poloha výchylka úhel sijainti kulma konum açı положение угол смещение 位置 位移 角度 変位 위치 "
     "변위 각도",
-    "v": "velocity speed gyroscope gyro omega rate geschwindigkeit drehrate vitesse velocidad velocità velocita "
+    "v": "velocity speed gyroscope gyro omega geschwindigkeit drehrate vitesse velocidad velocità velocita "
     "velocidade snelheid hastighet prędkość rychlost nopeus hız скорость 速度 속도",
     "a": "acceleration accelerometer accel beschleunigung accélération aceleración aceleracion accelerazione "
     "aceleração versnelling przyspieszenie zrychlení kiihtyvyys ivme ускорение 加速度 가속도",
@@ -107,7 +107,9 @@ def meaning(name: str) -> Meaning | None:
     """The channel of a column ("Position 1", "/joint_states/position[0]", "x_rad"); None for any other name."""
     if is_commanded(name):
         return None
-    last = re.split(r"[/.](?=[^\d])", name.strip())[-1]
+    *before, last = re.split(r"[/.](?=[^\d])", name.strip())
+    if before and last.lower() in ("x", "y", "z") and word_of(before[-1]):
+        last = before[-1]  # an axis: pose.position.x
     stem = re.sub(r"[\s-]+", "_", _INDEX.sub("", last.strip().lower()).strip()).strip("_")
     stem = _INDEX.sub("", stem)
     if stem in _CLOCKS:

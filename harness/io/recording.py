@@ -19,7 +19,7 @@ from harness.io.join import joined
 from harness.io.options import ReadOptions, RefusedError, tried
 from harness.io.registry import BAGS, formats, kind_of, reader_of
 from harness.io.table import Table
-from harness.io.times import counted_from, even_rate, rising, sampling_notes, since_first, whole_numbers
+from harness.io.times import counted_from, even_rate, rising, sampling_notes, since_first, unrolled, whole_numbers
 from harness.io.units import Unit
 from harness.io.wrapping import unwrapped
 
@@ -191,9 +191,10 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
             t = rows.astype(np.float64) / options.rate
         _check_rows(table, "t", t, rows)
     else:
-        rows, below = _run_below(read["t"][0], rows, options, choice.runs, str(path))
-        t, notes_of_t = _stamped(*read["t"], rows, dated)
-        about = {"runs": max(below, choice.runs), **_clock(read["t"][0][rows], t, dated)}
+        stamps = unrolled(read["t"][0]) if dated is None else read["t"][0]
+        rows, below = _run_below(stamps, rows, options, choice.runs, str(path))
+        t, notes_of_t = _stamped(stamps, read["t"][1], rows, dated)
+        about = {"runs": max(below, choice.runs), **_clock(stamps[rows], t, dated)}
         notes += [f"{_BELOW.format(below)}: run {options.run or 1} is read." if below > 1 else None, *notes_of_t]
         _check_rows(table, "t", t, rows)
         t, after, lost = _in_order(table, t, rows)

@@ -17,7 +17,7 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.io.columns import CHANNELS, is_angle, is_commanded, marked, meaning, unit_ending, word_of
 from harness.io.table import Table
-from harness.io.times import SCALES, clock_unit
+from harness.io.times import SCALES, clock_unit, unrolled
 from harness.io.units import RAW, is_unit_of, parse_unit
 
 _MOST_COLUMNS, _MOST_SAMPLES, _MOST_SPEEDS = 64, 20_000, 16
@@ -258,7 +258,7 @@ def _columns(table: Table) -> Iterator[Column]:
         steps = np.diff(told)
         if _is_count(header, told, steps):
             channel = "count"
-        onward = float(np.mean(steps >= 0.0 if channel == "t" else steps > 0.0))
+        onward = float(np.mean(np.diff(unrolled(told)) >= 0.0 if channel == "t" else steps > 0.0))
         rises = onward >= _RISES
         if channel in ("", "t") and rises and not unit:
             unit = clock_unit(told)

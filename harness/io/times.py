@@ -115,6 +115,24 @@ def since_first(t: FloatArray, unit: Unit) -> tuple[FloatArray, str | None]:
     return t * unit.factor, None
 
 
+_ROLLS = (1e9, 2.0**32, 2.0**16)
+"""At which nanoseconds of a second, and counters of 32 and 16 bits, begin again."""
+
+
+def unrolled(stamps: FloatArray) -> FloatArray:
+    """Whole stamps (n,) that begin again at a second or at the end of a counter, in one course; others as they are."""
+    steps = np.diff(stamps)
+    back = steps < 0.0
+    if not np.any(back) or np.any(stamps < 0.0) or np.any(stamps != np.round(stamps)):
+        return stamps
+    usual = float(np.median(steps[~back])) if np.any(~back) else 0.0
+    for roll in _ROLLS:
+        over = steps[back] + roll
+        if float(stamps.max()) < roll and np.all((over > 0.0) & (over <= GAP * usual)):
+            return stamps + roll * np.concatenate(([0.0], np.cumsum(back)))
+    return stamps
+
+
 def rising(t: FloatArray) -> BoolArray:
     """Which of the times (n,) come after all before them: a row that was written twice and a clock that was set back
     leave few that do not.

@@ -314,6 +314,31 @@ def times_of_day(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Pat
     return lines(folder / "a.csv", head, *said), {"t": m.t, "x": m.x}
 
 
+def printed(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    said = [f"t={1e3 * t:.0f} ms, angle={np.rad2deg(x):.4f} deg" for t, x in zip(m.t, m.x, strict=True)]
+    return lines(folder / "port.log", "Booting...", "IMU OK", *said), {"t": m.t, "x": m.x}
+
+
+def stamps_in_two(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Seconds and nanoseconds of a message's header, names with points, an axis of three that moves."""
+    ns = [1_700_000_000_250_000_000 + round(1e9 * t) for t in m.t]
+    still = 1e-3 * rng.standard_normal((2, m.t.size))
+    axes = rows(",", m.x, 1.0 + still[0], still[1], m.v, digits="%.7f")
+    said = [f"{k // 10**9},{k % 10**9},{rest}" for k, rest in zip(ns, axes, strict=True)]
+    names = [f"pose.position.{axis}" for axis in "xyz"]
+    head = ",".join(["header.stamp.sec", "header.stamp.nanosec", *names, "twist.velocity.x"])
+    return lines(folder / "pose.csv", head, *said), {"t": m.t, "x": m.x, "v": m.v}
+
+
+def with_a_summary(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """An overload in two cells, and means below the rows."""
+    body = rows(",", m.t, 1e3 * m.x)
+    body[50:52] = [line.partition(",")[0] + ",OVERLOAD" for line in body[50:52]]
+    keep = ~np.isin(np.arange(m.t.size), [50, 51])
+    path = lines(folder / "a.csv", "Time [s],Weg [mm]", *body, "", "Mean,0.001", "Std,0.12")
+    return path, {"t": m.t[keep], "x": m.x[keep]}
+
+
 def phyphox_zip(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
     text, wanted = phyphox_gyroscope(folder, m, rng)
     path = folder / "Gyroscope.zip"
@@ -465,5 +490,6 @@ WRITERS: dict[str, Writer] = {
         odrive, picoscope, mujoco, microcontroller, rig, languages, water_pendulum, phyphox_zip,
         phyphox_excel, excel_by_hand, labx, wpilog, tdms, matlab_rows, matlab_trials, simulink, hdf5, json_lines,
         json_entries, runs_below, sensor_logger, catman, polytec, feels_its_weight, times_of_day,
+        printed, stamps_in_two, with_a_summary,
     )
 }  # fmt: skip

@@ -1,4 +1,6 @@
-"""What an Arduino's port leaves: the monitor's ``14:03:11.120 -> 40.0``, the plotter's ``t_ms:0 pos_mm:40``."""
+"""What a board's port leaves: the monitor's ``14:03:11.120 -> 40.0``, the plotter's ``t_ms:0 pos_mm:40``, and what
+people print, ``t=120 ms, angle=4.2 deg``.
+"""
 
 import re
 from collections.abc import Sequence
@@ -6,7 +8,9 @@ from collections.abc import Sequence
 from harness.io.layout import NUMBER, Head, Layout, separator_of
 
 _STAMPED = re.compile(r"^(?P<stamp>\d\d?:\d\d:\d\d[.,]\d{1,6}) -> ?(?P<rest>.*)$")
-_LABELLED = re.compile(r"([^\W\d][\w.-]*)\s*:\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)(?=[\s,;]|$)")
+_LABELLED = re.compile(
+    r"([^\W\d][\w.-]*)\s*[:=]\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)(?:\s*([^\W\d_][\w/^]{0,6}|°)(?![\w.-]*\s*[:=]))?(?=[\s,;]|$)"
+)
 _MOST, _LEAST = 0.8, 5
 """Share of the lines that are so, and of how many at least."""
 
@@ -34,7 +38,7 @@ def _monitor(lines: Sequence[str], name: str) -> Head | None:
 
 def _plotter(lines: Sequence[str], name: str) -> Head | None:
     parts = [_LABELLED.findall(line) for line in lines]
-    labels = [tuple(label for label, _ in found) for found in parts]
+    labels = [tuple(label for label, _, _ in found) for found in parts]
     usual = max(set(labels), key=labels.count, default=())
     said = [line for line in lines if line.strip()]
     if not usual or labels.count(usual) < max(_MOST * len(said), _LEAST):
@@ -42,10 +46,12 @@ def _plotter(lines: Sequence[str], name: str) -> Head | None:
 
     def plain(line: str) -> str:
         found = _LABELLED.findall(line)
-        whole = tuple(label for label, _ in found) == usual
-        return ";".join(value for _, value in found) if whole else ";".join(value for _, value in found[:-1])
+        whole = tuple(label for label, _, _ in found) == usual
+        return ";".join(value for _, value, _ in (found if whole else found[:-1]))
 
-    return Head(first=labels.index(usual), fields=usual, separator=";", plain=plain)
+    first = labels.index(usual)
+    units = tuple(unit for _, _, unit in parts[first])
+    return Head(first=first, fields=usual, units=units, separator=";", plain=plain)
 
 
 MONITOR = Layout(name="Arduino's monitor", find=_monitor)

@@ -205,6 +205,11 @@ def open_npz(path: Path) -> ArrayTable:
     return table_of_arrays(path, _of_npz(path, _npy_arrays, path))
 
 
+def open_npy(path: Path) -> ArrayTable:
+    """Open a NumPy array, a column for each of its columns; pickled objects are refused."""
+    return table_of_arrays(path, {"data": held(_of_npz(path, partial(np.load, allow_pickle=False), path))})
+
+
 def _of_npz(path: Path, read: Callable[..., Any], *arguments: Any) -> Any:
     """What ``read`` finds; InputError for what the libraries of archives and of packing say of damage."""
     try:
@@ -242,4 +247,5 @@ def _npy_array(path: Path, name: str) -> Any:
 HDF5 = Reader(name="HDF5", suffixes=(".h5", ".hdf5", ".hdf"), open=open_hdf5)
 MAT = Reader(name="MATLAB", suffixes=(".mat",), open=open_mat)
 NPZ = Reader(name="NumPy", suffixes=(".npz",), open=open_npz)
+NPY = Reader(name="a NumPy array", suffixes=(".npy",), open=open_npy)
 PARQUET = Reader(name="Parquet", suffixes=(".parquet", ".pq"), open=ParquetTable)

@@ -32,10 +32,13 @@ _LOOKED, _ROWS, _HEADS = 60, 3, 2
 """Lines at the beginning in which a table's first is looked for, rows that make one, and lines of names and units."""
 _MOST_ODD = 0.05
 """Lines of another width that are left out, for each row before them."""
+_MOST_BELOW = 5
+"""Lines that may stand below the rows."""
 _COMMENT = ("#", "%")
 _BRACKETS = re.compile(r"^[\[(]\s*([^\[\]()]*?)\s*[\])]$")
 _FORTRAN = re.compile(r"^([+-]?\d*\.?\d+|[+-]?\d+\.)[dD]([+-]?\d{1,3})$")
-_MISSING = ("na", "n/a", "null", "none", "\N{INFINITY}", "-\N{INFINITY}")
+_WITHOUT = "na n/a null none nil --- overload overflow ovld ovf #n/a #num! #value! \N{INFINITY} -\N{INFINITY}"
+_MISSING = frozenset(_WITHOUT.split())
 """What loggers write for no value, besides nothing and nan."""
 
 
@@ -100,7 +103,7 @@ def _layout(path: Path, data: bytes | bytearray, skip_rows: int) -> tuple[_Layou
         text = _decode(raw).strip()
         if text:
             # an empty last cell, where tabs part the names
-            shown.append((number, offset, _decode(raw).strip(" \r") if tabbed else text))
+            shown.append((number, offset, _decode(raw).strip(" \r") if tabbed or "\t" in text else text))
             tabbed = tabbed or "\t" in shown[-1][2]
         offset += len(raw) + 1
     body = [entry for entry in shown if not entry[2].startswith(_COMMENT)]
@@ -162,7 +165,9 @@ def _heading(
 
 
 def _bare(unit: str) -> str:
-    return _BRACKETS.sub(r"\1", unit.strip())
+    """A unit without brackets; nothing of a word that says what its line holds."""
+    found = _BRACKETS.sub(r"\1", unit.strip())
+    return "" if found.lower().rstrip(":") in ("unit", "units", "einheit") else found
 
 
 def _is_all_numbers(cells: Sequence[str], decimal: str) -> bool:
@@ -298,7 +303,7 @@ class TextTable(Table):
         """Line number and cells of every row but those that hold no number at all, a last one that is cut short, and a
         few of another width. Raises InputError where these are more.
         """
-        start, line, begun = self._layout.offset, self._layout.line, False
+        start, line, begun, counted = self._layout.offset, self._layout.line, False, False
         width, odd, rows = len(self.names), 0, 0
         while start < len(self._data):
             end = self._data.find(b"\n", start)
@@ -314,18 +319,22 @@ class TextTable(Table):
                 elif len(cells) != width:
                     odd += 1
                     if odd > 1 + _MOST_ODD * rows:
-                        where, accepted = (
-                            f"{self.path}: row {rows + 1} (line {line})",
-                            "as in the first row, are accepted",
-                        )
-                        raise InputError(where, f"{len(cells)} cells", f"{width}, {accepted}")
+                        accepted = f"{width}, as in the first row, are accepted"
+                        raise InputError(f"{self.path}: row {rows + 1} (line {line})", f"{len(cells)} cells", accepted)
                     self._leave_out(f"Line {line} has {len(cells)} cells where the others have {width}: left out.")
-                elif not begun or any(self._says(cell) for cell in cells):
+                elif begun and not any(self._says(cell) for cell in cells):
+                    self._leave_out(f"Line {line} holds text and no number: left out.")
+                elif begun and counted and self._is_summary(cells[0], end):
+                    self._leave_out(f"Line {line}, below the rows, begins with '{cells[0][:20]}': left out.")
+                else:
+                    counted = counted if begun else _number(cells[0], self._layout.decimal) is not None
                     begun, rows = True, rows + 1
                     yield line, cells
-                else:
-                    self._leave_out(f"Line {line} holds text and no number: left out.")
             start, line = end + 1, line + 1
+
+    def _is_summary(self, cell: str, end: int) -> bool:
+        """Whether a line near the end of the file, at byte ``end``, begins with a word: a mean, a sum."""
+        return not self._says(cell) and self._data.count(b"\n", end) <= _MOST_BELOW
 
     def _says(self, cell: str) -> bool:
         """Whether a cell is a number, a time, or empty."""
