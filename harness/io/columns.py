@@ -80,9 +80,10 @@ _SHORT = 4
 _MARK = re.compile(r"^(?P<mark>[^:]{1,60}):\s*(?P<name>\S.*)$")
 _DIGITS = re.compile(r"(?<!_s)\d+")
 _RUN = re.compile(
-    r"[\s,_-]*\(?\b(?:run|trial|series|serie|set|lauf|versuch|messung|essai|prova|ensayo)[\s_]*#?\s*(\d+)\)?\s*$",
+    r"\(?\b(?:run|trial|series|serie|set|lauf|versuch|messung|essai|prova|ensayo)[\s_]{0,9}#?\s{0,9}(\d+)\)?\s*$",
     re.IGNORECASE,
 )
+"""Bounded, and without what parts it from the name: a header may have 50,000 blanks."""
 _SHELLS = frozenset("'\"$`\\!")
 """Signs that would not come through quotes as they are."""
 _INDEX = re.compile(r"(\[\d{1,4}\]|\.\d{1,4}|_\d{1,4})$")
@@ -150,7 +151,7 @@ def marked(name: str) -> tuple[tuple[str, ...], str]:
     if found is not None:
         return (found["mark"],), found["name"]
     if run is not None:
-        return (run[1],), name[: run.start()]
+        return (run[1],), name[: run.start()].rstrip(" \t,_-")
     digits = tuple(_DIGITS.findall(name))
     return digits, _DIGITS.sub("", name).rstrip(" ._#") if digits else name
 
