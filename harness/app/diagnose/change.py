@@ -104,6 +104,7 @@ def result_of(
         for name, outcome in zip(("before", "after"), outcomes, strict=True)
         if outcome.verdict not in ("adequate", "missing_physics")
     ]
+    read = [note for one in recordings for note in one.notes]
     infos = [recording_info(one, problem.noise) for one, problem in zip(recordings, each, strict=True)]
     result = ChangeResult(
         statement=_statement(found),
@@ -114,7 +115,7 @@ def result_of(
         laws=list(found.laws),
         before=infos[:count],
         after=infos[count:],
-        warnings=[*ready.warnings, *alone, *unknown, *(n for one in recordings for n in one.notes), *ready.notes],
+        warnings=list(dict.fromkeys([*ready.warnings, *alone, *unknown, *read, *ready.notes])),
         command=command,
         machine=this_machine(),
         files=dict(files or {}),
@@ -185,7 +186,8 @@ def _changed(name: str, one: Number | None, compared: Compared) -> str:
 
 
 def _within(compared: Compared, name: str) -> str:
-    return f"{200.0 * compared.found.moves[name].stderr:.2g} %"
+    # two figures, and no power of ten however little is known
+    return f"{float(f'{200.0 * compared.found.moves[name].stderr:.2g}'):.12g} %"
 
 
 def _listed(parts: Sequence[str]) -> str:
