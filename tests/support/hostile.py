@@ -129,7 +129,8 @@ def pickled(path: Path) -> None:
 
 
 def parquet_of_escapes(path: Path) -> None:
-    pq.write_table(pa.table({"t\x1b[31m\nq": T, "x": X}), path)
+    """Neither of which rises as a time does."""
+    pq.write_table(pa.table({"t\x1b[31m\nq": X, "x": X}), path)
 
 
 def parquet_of_bytes(path: Path) -> None:
@@ -207,7 +208,7 @@ HOSTILE: dict[str, tuple[Make, str]] = {
     "cut.mat": (cut(mat, 0.7), "not a MATLAB file ("),
     "cut73.mat": (cut(mat73, 0.7), "not a MATLAB file ("),
     "cut.parquet": (cut(parquet, 0.7), "not a Parquet file ("),
-    "escape.parquet": (parquet_of_escapes, r"no time among the columns t\x1b[31m q, x; "),
+    "escape.parquet": (parquet_of_escapes, r"the columns t\x1b[31m q, x; "),
     "bytes.parquet": (parquet_of_bytes, "not a Parquet file ('utf-8' codec can't decode"),
     "no.rrd": (text("RRF2 and nothing more"), "a whole .rrd written by this program is accepted"),
 }
