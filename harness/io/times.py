@@ -80,9 +80,8 @@ _EPOCHS: tuple[tuple[float, float, str, float], ...] = (
 )
 """Stamps of 1979 to 2286 in each unit; no two overlap, and no experiment lasts ten years."""
 
-_OFF, _COARSE = 2.0, 0.9
-"""Steps of a coarse clock that its stamps of even samples lie apart at most, half of one at either side and as much
-again; and the quantile of the steps that is the clock's, above which there may be gaps."""
+_OFF = 1.0
+"""Steps of a coarse clock by which its stamps of even samples are off at most: half of one, and as much again."""
 
 
 SCALES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
@@ -150,10 +149,14 @@ def even_rate(t: FloatArray) -> float | None:
     steps = np.diff(t)
     if not np.any(steps == 0.0) or float(steps.min()) < 0.0 or t[-1] <= t[0]:
         return None
-    coarse = float(np.quantile(steps[steps > 0.0], _COARSE))
     count = np.arange(t.size) - 0.5 * (t.size - 1)
     interval = float(count @ t) / float(count @ count)
-    return 1.0 / interval if float(np.ptp(t - interval * count)) <= _OFF * coarse else None
+    # its own step is that beside a sample: stamps of three digits grow coarser as they grow
+    moved = np.flatnonzero(steps > 0.0)
+    after = np.searchsorted(moved, np.arange(t.size))
+    beside = np.maximum(steps[moved[np.minimum(after, moved.size - 1)]], steps[moved[np.maximum(after - 1, 0)]])
+    off = t - interval * count
+    return 1.0 / interval if bool(np.all(np.abs(off - off.mean()) <= _OFF * beside)) else None
 
 
 def whole_numbers(t: FloatArray, unit: Unit) -> str | None:

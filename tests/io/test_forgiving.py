@@ -197,6 +197,13 @@ def test_a_clock_too_coarse_for_even_samples_is_an_even_one(tmp_path: Path) -> N
     assert found.rate == pytest.approx(200.0, rel=5e-3)
 
 
+def test_stamps_of_three_digits_grow_coarser(tmp_path: Path) -> None:
+    t = 9.0 + T
+    found = read_recording(written(tmp_path / "a.csv", "t,x", np.array([float(f"{one:.2E}") for one in t]), X))
+    assert found.rate == pytest.approx(200.0, rel=5e-3)
+    np.testing.assert_allclose(found.t, t, atol=0.02)
+
+
 def test_a_guessed_column_that_says_nothing_is_left_out(tmp_path: Path) -> None:
     path = written(tmp_path / "a.csv", "time,position,effort", T, X, 0.0 * X)
     found = read_recording(path)
