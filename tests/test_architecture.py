@@ -5,6 +5,7 @@ import functools
 import runpy
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -249,3 +250,21 @@ def test_help_of_every_command_loads_nothing_heavy() -> None:
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=ROOT, check=False)
     assert (done.stdout, done.stderr) == ("[]\n", "")
+
+
+def bound(node: ast.stmt) -> set[str]:
+    """Names that a statement of a module gives a meaning."""
+    if isinstance(node, ast.FunctionDef | ast.ClassDef):
+        return {node.name}
+    targets = node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
+    bare = [one for target in targets for one in (target.elts if isinstance(target, ast.Tuple) else [target])]
+    return {one.id for one in bare if isinstance(one, ast.Name)}
+
+
+def test_no_name_of_a_file_is_given_two_meanings() -> None:
+    """Where two files become one, the later constant would silently serve both."""
+    found = []
+    for path in [*FILES, *sorted((ROOT / "tests").rglob("*.py")), *sorted((ROOT / "benchmarks").rglob("*.py"))]:
+        names = Counter(one for node in parsed(path).body for one in bound(node))
+        found += [f"{name(path)}: {one}" for one, times in names.items() if times > 1 and one != "_"]
+    assert found == []

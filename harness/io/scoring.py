@@ -45,21 +45,6 @@ _SCALED, _NUMBERS, _NAME, _UNIT = range(-1, 3)
 _COUNTS = {"row", "index", "idx", "sample", "frame", "count", "id", "nr", "no", "cycle", "step", "line"}
 """Words of a column that counts rows."""
 _NO_SIGN = re.compile(r"^abs|absolute|magnitude|norm|\bsigma|\bstd|uncertainty", re.IGNORECASE)
-_FALLS, _LEFT = 0.95, 0.25
-"""Share of its steps by which a column falls, and of its largest value at its end, from which it is a speed that runs
-down: no swing does so."""
-_MG = 700, 1300
-"""Whole numbers that all lie so far from 0 may be mg of an accelerometer that feels its weight: asked, never taken."""
-_TURN = 2.0 * np.pi
-_SCALED, _NUMBERS, _NAME, _UNIT = range(-1, 3)
-"""By what a column's channel is told, the strongest last; a voltage or a count needs its scale first."""
-_COUNTS = {"row", "index", "idx", "sample", "frame", "count", "id", "nr", "no", "cycle", "step", "line"}
-"""Words of a column that counts rows."""
-_NO_SIGN = re.compile(r"^abs|absolute|magnitude|norm|\bsigma|\bstd|uncertainty", re.IGNORECASE)
-_RAW = re.compile(
-    r"^(?:counts?|cts|ticks?|steps?|raw|lsb|adu|pulses?|px|pixels?|a\.?u\.?|m?v|volts?|%|-|1)?$", re.IGNORECASE
-)
-"""Units of sensors that give no unit of motion."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -99,13 +99,13 @@ def test_a_joint_that_cannot_be_asked_is_refused_in_one_line(
 
 
 JOINTS = ("shoulder", "elbow")
-F_K = (0.8, 0.4)
+LEVELS = (0.8, 0.4)
 
 
 @pytest.fixture(scope="module")
 def motion() -> tuple[np.ndarray, ...]:
     """t, q, torque of 12 s at 125 Hz, with dry friction."""
-    t, q, v, torque = moved(1500, 125.0, F_K, (0.1, 0.1))
+    t, q, v, torque = moved(1500, 125.0, LEVELS, (0.1, 0.1))
     return t, q, torque + 0.02 * np.random.default_rng(5).standard_normal(v.shape)
 
 
@@ -156,7 +156,7 @@ def test_the_option_mends_it_and_amperes_are_told_by_joint(motion: tuple[np.ndar
     line = ["diagnose", str(log), "--robot", str(model), "--joint", "elbow", "--quiet", *option]
     assert run([*line, "--out", str(tmp_path / "out"), "--json", str(tmp_path / "result.json")]) == 0
     mended = DiagnosisResult.model_validate_json((tmp_path / "result.json").read_text())
-    assert mended.baseline.parameters["f_k"].value == pytest.approx(F_K[1], rel=0.05)
+    assert mended.baseline.parameters["f_k"].value == pytest.approx(LEVELS[1], rel=0.05)
     assert mended.robot is not None
     for one in mended.robot.match:
         assert one.correlation == pytest.approx(1.0, abs=0.01)
