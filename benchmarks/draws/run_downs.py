@@ -68,7 +68,7 @@ def drawn(seed: int, number: int, effect: str | None = None) -> Drawn:
         effect = str(r.choice(["", *EFFECTS]))
     v0 = {"motor": 2.0 * math.pi * r.uniform(8, 40), "wheel": r.uniform(10, 60), "car": r.uniform(8, 30),
           "turntable": r.uniform(3, 9)}[machine]  # fmt: skip
-    seconds = r.uniform(5.0, 60.0)
+    seconds = r.uniform(1.0, 8.0) if machine == "motor" else r.uniform(5.0, 60.0)
     # what slows it at half its speed, per second: by dry friction and by damping
     wet = r.uniform(0.2, 0.75)
     f = (1.0 - wet) * v0 / seconds * r.uniform(1.0, 2.0)

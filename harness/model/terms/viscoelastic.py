@@ -60,6 +60,7 @@ TERM = Term(
     probes,
     amplitude=0,
     internal=1,
+    needs=("returns",),
     example=(30.0, 0.1),
     implied=stretched,
     order=120,
