@@ -18,6 +18,7 @@ NEEDS = {
     "spring": "a spring",
     "zero": "a zero of x that is the spring's",
     "returns": "a motion that comes back to the same places and speeds, as no run-down does",
+    "both-ways": "both directions",
     "one-clock": "one recording at a time: its phase or moment is not that of another",
 }
 

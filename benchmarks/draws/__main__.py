@@ -7,8 +7,8 @@ whole (recordings against which nothing is to be said), faster (a simulation who
 misfit (identify of a hidden law), undamped (identify of nearly no damping), layouts (files of loggers), goals (a
 commanded position in one), still (an axis at rest most of the time, slowly and irregularly sampled), wrapped (an angle
 within a turn), loads (an arm that carries a load unsaid), run-downs (an effect hidden in one),
-run-down-controls (none), slips (a robot's joint that sticks), pastes (what is pasted
-of one that swings), and files of engines by name (cap-rk4 and others: a joint of a file as it is).
+run-down-controls (none), curves (tables of speed and force), slips (a robot's joint that sticks), pastes (what is
+pasted of one that swings), and files of engines by name (cap-rk4 and others: a joint of a file as it is).
 """
 
 import argparse
@@ -18,6 +18,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from benchmarks.draws import (
+    curves,
     engine_cases,
     faults,
     layouts,
@@ -52,6 +53,7 @@ KINDS: dict[str, Draw] = {
     "still": logs.still,
     "wrapped": logs.wrapped,
     "loads": logs.loads,
+    "curves": curves.answer,
     "run-downs": run_downs.named,
     "run-down-controls": run_downs.controls,
     "slips": robot_joints.slips,

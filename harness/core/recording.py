@@ -12,7 +12,7 @@ from harness.core.checks import increasing, vector
 from harness.core.errors import InputError
 
 CHANNELS = ("x", "v", "a", "u")
-MINIMUM_SAMPLES = 50
+MINIMUM_SAMPLES, FEWEST_STEADY = 50, 6
 LARGEST, SMALLEST = 1e20, 1e-20
 """Of a channel's values and of its range, in SI units."""
 LONGEST_TIME, SHORTEST_INTERVAL = 9e9, 1e-15
@@ -29,6 +29,7 @@ class Recording:
     file : where it came from. sha256 : of that file. units : the unit each channel was given in.
     angular : whether x or a was given as an angle. notes : what the reader did, one sentence each. columns : by
     channel, the column of the file as --columns takes it. mended : of the notes, those on what was changed or left out.
+    steady : whether each row is a speed v that was held, with the force u that held it; t is then the row's number.
 
     Raises InputError for fewer than 50 samples, a value not finite or out of all proportion, time that does not
     increase, no channel, or a channel that is constant.
@@ -45,11 +46,13 @@ class Recording:
     covariates: Mapping[str, FloatArray] = field(default_factory=dict)
     columns: Mapping[str, str] = field(default_factory=dict)
     mended: tuple[str, ...] = ()
+    steady: bool = False
 
     def __post_init__(self) -> None:
         t = vector(f"{self.file}: column t", self.t)
-        if t.size < MINIMUM_SAMPLES:
-            raise InputError(self.file, f"{t.size} samples", f"at least {MINIMUM_SAMPLES} are accepted")
+        fewest = FEWEST_STEADY if self.steady else MINIMUM_SAMPLES
+        if t.size < fewest:
+            raise InputError(self.file, f"{t.size} samples", f"at least {fewest} are accepted")
         _within(f"{self.file}: column t", t, LONGEST_TIME)
         increasing(f"{self.file}: column t", t)
         interval = float(np.median(np.diff(t)))

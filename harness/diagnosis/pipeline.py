@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Any
 
 from harness.core.budget import USUAL, Budget, given
-from harness.core.errors import SimulationError
+from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
 from harness.diagnosis.explain.could_hide import could_hide, with_systematic
 from harness.diagnosis.explain.mechanism import each_of, mechanism, of_force, of_misfit, remainder, remainder_of_force
@@ -33,6 +33,7 @@ from harness.diagnosis.inverse_dynamics.prepare import as_it_acts, forces_togeth
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.known import kind_of
 from harness.diagnosis.outcome import Grade, Holdout, Outcome, Tried
+from harness.diagnosis.prepare.curve import curve_problem
 from harness.diagnosis.prepare.driven import driven_problem, is_driven
 from harness.diagnosis.prepare.free_decay import free_decay_problem, together
 from harness.diagnosis.prepare.run_down import run_down_problem, runs_down
@@ -83,6 +84,8 @@ def prepare(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...
 
     Raises InputError for options that contradict the recording and for what cannot be diagnosed, SimulationError.
     """
+    if recording.steady:
+        return curve_problem(recording, asked)
     if not is_driven(recording):
         falls = asked.restoring is Restoring.NONE or runs_down(recording, asked.restoring)
         return run_down_problem(recording, asked) if falls else free_decay_problem(recording, asked)
@@ -99,6 +102,10 @@ def prepare(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...
 
 def prepare_together(recordings: Sequence[Recording], asked: Asked) -> tuple[Problem, tuple[str, ...]]:
     """Several recordings of one machine as one problem; see ``prepare``."""
+    tables = [one.file for one in recordings if one.steady]
+    if tables:
+        found = f"{tables[0]} is a table of speeds and forces without a time"
+        raise InputError("--together", found, "recordings of a motion are accepted")
     driven = recordings and all(is_driven(one) for one in recordings)
     return forces_together(recordings, asked) if driven else together(recordings, asked)
 
@@ -152,7 +159,7 @@ def _instead(found: Found, search: Search, scales: Scales, *notes: str) -> Found
 
 def _graded(found: Search, scales: Scales) -> Graded | None:
     """The catalogue graded against what the base model leaves, where no model explains the recording."""
-    if found.left is not Left.STRUCTURE:
+    if found.left is not Left.STRUCTURE or not found.problem.moves:
         return None
     with suppress(SimulationError):
         seen = misfit(found.problem, found.base, scales)

@@ -72,6 +72,8 @@ class Problem(ABC):
     """What a term may need that every problem of this kind has; see ``given``."""
     returns: ClassVar[bool] = True
     """Whether the motion comes back to the same places and speeds, in both directions."""
+    moves: ClassVar[bool] = True
+    """Whether it is of a motion, which can be simulated beside it."""
 
     def __post_init__(self) -> None:
         ones = np.ones(self.t.size)
@@ -128,8 +130,18 @@ class Problem(ABC):
         # on a linear spring what pushes all the time moves the rest position, which no speed or acceleration shows
         shown = "x" in self.channels or self.restoring is not Restoring.SPRING
         zero = shown and not self.zero_free and self.returns
-        own = {"angle": self.angular, "zero": zero, "returns": self.returns}
+        own = {"angle": self.angular, "zero": zero, "returns": self.returns, "both-ways": self.both_ways}
         return self.provides | {need for need, met in own.items() if met}
+
+    @property
+    def both_ways(self) -> bool:
+        """Whether it goes in both directions."""
+        return self.returns
+
+    @property
+    def followed(self) -> "Problem":
+        """The same with its motion followed, or what stands for one."""
+        return self
 
     @property
     def rough(self) -> tuple[Model, ...]:

@@ -50,7 +50,7 @@ def chosen(table: Table, options: ReadOptions) -> Chosen:
     if not set(mappings) & {"x", "v", "a"}:
         hint = "columns named t and one or more of x, v, a, or a choice of them by --columns, is accepted"
         raise RefusedError(str(table.path), f"the columns {table.listed()}", hint, _others(table, options))
-    if "t" not in mappings and rate is None:
+    if "t" not in mappings and rate is None and set(mappings) != {"v", "u"}:
         hint = "a column t, or its sampling rate by --rate HZ, is accepted"
         others = _others(table, options) if columns is None else ()
         raise RefusedError(str(table.path), f"no time among the columns {table.listed()}", hint, others)
@@ -80,7 +80,8 @@ def _by_names(table: Table, rate: float | None) -> Chosen | None:
     x = found.get("x", [0])[0]
     if not table.own or (x not in table.units and is_angle(table.names[x])):
         return None
-    if not set(found) & {"x", "v", "a"} or ("t" not in found and rate is None):
+    steady = set(found) == {"v", "u"}
+    if not set(found) & {"x", "v", "a"} or ("t" not in found and rate is None and not steady):
         return None
     mappings = {c: Mapping(c, (f"#{found[c][0] + 1}",)) for c in CHANNELS if c in found}
     own = {c for c in found if table.names[found[c][0]] in ((c, "F") if c == "u" else (c,))}

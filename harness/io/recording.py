@@ -141,7 +141,7 @@ def columns_of(path: Path, digest: str, options: dict[str, Any]) -> Found:
     """What ``read_recording`` finds, as a process of its own hands it on."""
     found = _read_or_propose(path, digest, ReadOptions(**options))
     beside = {_COVARIATE + name: values for name, values in found.covariates.items()}
-    about = {"angular": found.angular, "notes": found.notes, "mended": found.mended}
+    about = {"angular": found.angular, "steady": found.steady, "notes": found.notes, "mended": found.mended}
     about |= {"units": dict(found.units), "columns": dict(found.columns), "extra": dict(found.extra)}
     return {"t": found.t, **found.channels, **beside}, about
 
@@ -157,6 +157,9 @@ def _read_or_propose(path: Path, digest: str, options: ReadOptions) -> Recording
         raise tried(error, options, lambda other: _read(path, digest, other)) from None
 
 
+_STEADY = "No time: each row is taken as a speed that was held, with the force that held it."
+
+
 def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     table = _open(path, options)
     options, step = _with_own_rate(table, options)
@@ -165,11 +168,11 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     read, turns = as_angles(path, products(table, mappings)) if options.angle else (products(table, mappings), None)
     dated = counted_from(table, mappings)
     notes: list[str | None] = [said(table, mappings, {c: unit for c, (_, unit) in read.items()}, guessed)]
-    notes += [*choice.notes, step, turns]
+    steady = "t" not in mappings and options.rate is None
+    notes += [*choice.notes, step, turns, _STEADY if steady else None]
     asked = options.covariates
     beside = dict(zip(asked, table.read([table.position(name) for name in asked]), strict=True)) if asked else {}
-    sizes = {channel: values.size for channel, (values, _) in read.items()}
-    sizes |= {name: values.size for name, values in beside.items()}
+    sizes = {name: values.size for name, values in (*((c, y) for c, (y, _) in read.items()), *beside.items())}
     if len(set(sizes.values())) > 1:
         found = ", ".join(f"{size} values of {channel}" for channel, size in sizes.items())
         raise InputError(str(path), found, "columns of one length are accepted")
@@ -186,9 +189,9 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
         mended.append(f"{many} rows without a value, the first of them {first}, are left out.")
         rows = whole
     about: dict[str, Any] = {"runs": choice.runs}
-    if options.rate is not None:
+    if steady or options.rate is not None:
         with np.errstate(over="ignore"):
-            t = rows.astype(np.float64) / options.rate
+            t = rows.astype(np.float64) / (options.rate or 1.0)
         _check_rows(table, "t", t, rows)
     else:
         stamps = unrolled(read["t"][0]) if dated is None else read["t"][0]
@@ -200,7 +203,7 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
         t, after, lost = _in_order(table, t, rows)
         t, rows = t[after], rows[after]
         mended.append(lost)
-    keep = _kept(path, t, options)
+    keep = slice(None) if steady else _kept(path, t, options)
     channels = {channel: values[rows][keep] for channel, (values, _) in read.items() if channel != "t"}
     covariates = {name: values[rows][keep] for name, values in beside.items()}
     for name, values in (*channels.items(), *covariates.items()):
@@ -220,10 +223,11 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
         },
         angular=angular,
         extra=about,
-        notes=(*filter(None, notes), *filter(None, mended), *sampling_notes(t[keep])),
+        notes=(*filter(None, notes), *filter(None, mended), *(() if steady else sampling_notes(t[keep]))),
         covariates=covariates,
         columns={c: quoted_of(table, mappings[c], unit) for c, (_, unit) in read.items()},
         mended=tuple(filter(None, mended)),
+        steady=steady,
     )
 
 

@@ -320,7 +320,7 @@ class Term:
     channels : channels an observation needs. sensor : what it does to one of them.
     needs : "driven" (a recorded force), "angle", "spring", "zero" (a sensor of x whose zero is the spring's),
     "one-clock" (a phase or a moment in time of its own, which several recordings do not share), "returns" (a motion
-    that comes back to the same places and speeds, in both directions).
+    that comes back to the same places and speeds), "both-ways" (both directions).
     several : whether a model may have more than one. place : where it acts. only_there : whether nothing outside of
     those times shows it. words : more words of the sentence, from values and k. elements : see harness.model.term.
     as_named : whether values are what the name says; a law bent beyond it is not named.

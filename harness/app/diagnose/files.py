@@ -10,7 +10,7 @@ from harness.core.trajectory import Source, Trajectory
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.pooling.own import SAID
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.problems.simulated import observe
+from harness.diagnosis.problems.simulated import FINE
 from harness.engines import model_files
 from harness.io.store import write_text
 from harness.kernels.solve import Scales
@@ -30,7 +30,7 @@ def simulated(recording: Recording, outcome: Outcome) -> tuple[Trajectory, Traje
 
 def motion_of(name: str, model: Model, whole: Problem, scales: Scales) -> Trajectory:
     """A model's motion at every time of a problem, with what its sensors show as extra "shown x" and the like."""
-    seen = observe(model, whole, (), scales)
+    seen = whole.followed.shows(model, (), scales, FINE)
     extra = {f"shown {channel}": values for channel, values in seen.y.items()}
     return Trajectory(
         whole.t, seen.x, seen.v, seen.a, Source("reference", name), mode=seen.mode, extra=extra, events=seen.events

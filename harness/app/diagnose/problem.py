@@ -60,6 +60,10 @@ def prepared(recording: Recording, options: DiagnoseOptions) -> Prepared:
         accepted = "it is accepted with a driven recording"
         raise InputError("--horizon", f"given, but {recording.file} has no measured force", accepted)
     _refuse(recording)
+    given = [name for name in ("model", "sim", "validate", "horizon") if getattr(options, name) is not None]
+    if recording.steady and given:
+        found = f"given with {recording.file}, a table of speeds and forces without a time"
+        raise InputError(f"--{given[0]}", found, "it is accepted with a recording of a motion")
     asked = Asked(
         options.restoring, options.zero_free, options.mass, options.horizon, options.covariates, options.guarded
     )

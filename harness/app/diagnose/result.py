@@ -139,6 +139,8 @@ def _shared(recording: Recording, outcome: Outcome, options: DiagnoseOptions, us
         return Shared(None, (_NOT_GIVEN,))
     if outcome.problem.alone:
         return Shared(None, (_NOT_TOGETHER,))
+    if not outcome.problem.moves:
+        return Shared(None, ())
     whole = outcome.problem.at_every_sample(recording.t, recording.channels)
     return attribution_of(outcome, whole, options, user)
 
@@ -207,6 +209,8 @@ def _in_engine(name: str, outcome: Outcome, options: DiagnoseOptions) -> EngineR
     try:
         if outcome.problem.covariates:
             raise SimulationError("an engine is not given covariates")
+        if not outcome.problem.moves:
+            raise SimulationError("a friction curve has no motion to be run beside")
         simulator, dt = simulator_of(name, options)
         found = engine_fit(simulator, outcome.base.model, outcome.refined.model, outcome.problem, outcome.scales, dt)
     except SimulationError as error:

@@ -58,6 +58,8 @@ class Reach:
         for new, old, factor in derived:
             if new not in size and old in size:
                 size[new] = factor * size[old]
+        # what is no motion has none of them
+        size = {"x": scales.x, "v": scales.v, "a": scales.v * scales.omega} | size
         force = 0.0 if problem.drive is None else _largest(problem.drive.u)
         step = float(np.median(np.diff(t))) if t.size > 1 else 0.0
         fastest = math.pi / step if step > 0.0 else math.inf

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from harness.diagnosis.kinds.curve import Curves
 from harness.diagnosis.kinds.driven import DrivenRecordings
 from harness.diagnosis.kinds.free_decay import DecaysTogether, FreeDecays
 from harness.diagnosis.kinds.inverse_dynamics import FittedForces, ForcesOfSeveral
@@ -16,6 +17,7 @@ _KINDS: tuple[Kind[Any], ...] = (
     DecaysTogether(),
     ForcesOfSeveral(),
     RunDowns(),
+    Curves(),
 )
 
 

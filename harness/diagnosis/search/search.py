@@ -95,8 +95,10 @@ def noise_of(found: Fit, problem: Problem, omega: float) -> dict[str, Noise]:
     """Noise per channel from what a fit leaves.
 
     Windows much shorter than the motion tell noise from misfit, but not the colour of a coarse recording. Where the
-    whole residual is nothing but noise of first-order colour, it is that.
+    whole residual is nothing but noise of first-order colour, it is that. Of what is no motion it is as prepared.
     """
+    if not problem.moves:
+        return dict(problem.noise)
     period = 2.0 * math.pi / omega
     left = {c: problem.even(c, y - found.shown.y[c]) for c, y in problem.channels.items()}
     said = {c: residual_noise(problem.t, left[c], y, period) for c, y in problem.channels.items()}

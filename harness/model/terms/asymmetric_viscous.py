@@ -21,7 +21,7 @@ TERM = Term(
     "Viscous damping differs by direction: c + c_diff forwards, c - c_diff backwards, c_diff = {c_diff}.",
     law,
     amplitude=0,
-    needs=("returns",),
+    needs=("both-ways",),
     example=(0.3,),
     order=100,
 )

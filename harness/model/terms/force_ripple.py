@@ -23,6 +23,8 @@ def law(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
 def probes(e: Evidence) -> list[Probe]:
     """Periods at which a force stands out, else all that fit into the travel, evenly spaced in their number."""
     travel = e.high - e.low
+    if travel <= 0.0:
+        return []
     counts = [0.5 * i for i in range(2, 61)] if not e.driven else [float(i) for i in range(2, 200)]
     periods = e.periods if e.periods else [travel / count for count in counts]
     return [(0.0, period, phase) for period in periods for phase in (0.0, -0.5 * math.pi)]

@@ -71,8 +71,8 @@ def diagnosis_page(
         *([nameless(result)] if result.tables or result.surface else []),
         _models(result),
         *([evidence(result)] if result.evidence else []),
-        b.Section("Residual by time", seen.residuals()),
-        seen.phase_plane(),
+        b.Section("Residual by speed" if recording.steady else "Residual by time", seen.residuals()),
+        *([] if recording.steady else [seen.phase_plane()]),
         _heldout(result),
     ]
     if more := said(result):

@@ -107,7 +107,7 @@ class Curves:
     @property
     def channels(self) -> list[str]:
         """Those that both have."""
-        return [c for c in ("x", "v", "a") if c in self.recording and f"shown {c}" in self.simulated[0].extra]
+        return [c for c in ("x", "v", "a", "u") if c in self.recording and f"shown {c}" in self.simulated[0].extra]
 
     @property
     def models(self) -> list[tuple[str, str, Trajectory]]:
@@ -142,14 +142,22 @@ class Curves:
         """Times of those, s."""
         return self.recording.t[self.free]
 
+    @property
+    def along(self) -> FloatArray:
+        """What is drawn over: times, or the speeds that were held."""
+        return self.recording["v"] if self.recording.steady else self.recording.t
+
     def layout(self, label: str, unit: str, more: Sequence[dict[str, Any]] = ()) -> dict[str, Any]:
         """Axes over time, with shaded spans, reversals and more shapes."""
+        if self.recording.steady:
+            speed, by, _ = self.words("v")
+            return axes(f"{speed} / {per(by)}", f"{label} / {per(unit)}", shapes=list(more), showlegend=True)
         shapes = shades(shaded_spans(self.result), _SHADE) + upright_lines(self.times) + list(more)
         return axes("time / s", f"{label} / {per(unit)}", shapes=shapes, showlegend=True, hovermode="closest")
 
     def over_time(self) -> list[Figure]:
         """Every channel as recorded and as both models have it."""
-        t, own, figures = self.recording.t, yours(self.simulated), []
+        t, own, figures = self.along, yours(self.simulated), []
         caption = "Shaded: where simulation and recording part. Dotted: reversals of the better model."
         if not shaded_spans(self.result):
             caption = "Fits that look alike here differ below: what counts is the residual against the noise."
@@ -157,7 +165,7 @@ class Curves:
             label, unit, factor = self.words(c)
             traces = [curve("recording", t, self.recording[c] * factor, "ink", unit, 2.4)]
             for said, color, model in self.models:
-                traces.append(curve(said, self.t, shown(model, c)[self.free] * factor, color, unit))
+                traces.append(curve(said, t[self.free], shown(model, c)[self.free] * factor, color, unit))
             if own is not None and f"shown {c}" in own.extra:
                 traces.append(curve(YOUR_SIMULATION, own.t, shown(own, c) * factor, YOURS, unit))
             figures.append(Figure(f"channel-{c}", traces, self.layout(label, unit), caption, GROUP, 320, self.times))
@@ -165,6 +173,8 @@ class Curves:
 
     def before(self) -> Section:
         """The same, with a bar of zooms."""
+        if self.recording.steady:
+            return Section("Table against model", self.over_time())
         bar: list[Block] = [zoom(self.times.tolist(), self.recording.duration)]
         return Section("Recording against simulation", [*bar, *self.over_time()])
 
@@ -177,7 +187,7 @@ class Curves:
             for i, (said, color, model) in enumerate(self.models):
                 name = f"remainder, {said}" if i == last and self.result.remainder is not None else said
                 y = self.residual(model, c)[self.free] * factor
-                traces.append(curve(name, self.t, y, color, unit, 1.2))
+                traces.append(curve(name, self.along[self.free], y, color, unit, 1.2))
             caption, band = left_by("simulation", self.result.recording.noise.get(c), unit, factor)
             layout = self.layout(f"residual of {label}", unit, band)
             figures.append(Figure(f"residual-{c}", traces, layout, caption, GROUP, 260, self.times))

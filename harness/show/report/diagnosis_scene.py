@@ -46,12 +46,13 @@ def diagnosis_scene(
         states = lane(spans, float(recording.t[0]), float(recording.t[-1]))
         lanes.append(s.Lanes("where they part", [s.Lane("where", *states, looks)]))
     shares = [*[2.0] * len(curves), *[0.5] * len(lanes), *[1.4] * len(rests)]
-    verdict, plane = s.Words("verdict", notes), seen.orbit()
-    side: list[s.Layout] = [verdict, plane]
+    verdict = s.Words("verdict", notes)
+    plane = [] if recording.steady else [seen.orbit()]
+    side: list[s.Layout] = [verdict, *plane]
     if robot is not None:
         side = [
             *([robot_view(robot.bodies)] if robot.bodies else []),
-            s.Tabs([verdict, *torque_tabs(result, robot), plane]),
+            s.Tabs([verdict, *torque_tabs(result, robot), *plane]),
         ]
     name = f"diagnosis of {recording.file.rpartition('/')[2]}"
     layout = s.Columns([s.Rows([*curves, *lanes, *rests], shares), s.Rows(side)], [3.0, 2.0])

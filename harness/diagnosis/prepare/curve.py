@@ -1,0 +1,59 @@
+"""A friction curve made ready: rows by speed, and the noise of a force as neighbours say it."""
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
+from harness.core.recording import FEWEST_STEADY, Recording
+from harness.diagnosis.problems.curve import Curve
+from harness.diagnosis.request import Asked
+from harness.estimate.noise import Noise
+from harness.model.model import Restoring
+
+_LEAST = 1e-4
+"""Of the largest force: no table is better."""
+ALONE = "a friction curve: one direction alone, so that f_k holds an offset of the force besides"
+
+
+def curve_problem(recording: Recording, asked: Asked) -> tuple[Curve, tuple[str, ...]]:
+    """A friction curve as a problem, and what was done to it, one sentence each.
+
+    Raises InputError for options that contradict it, and for rows that are too few.
+    """
+    if asked.restoring not in (None, Restoring.NONE) or asked.covariates:
+        accepted = "a table of speeds and forces takes neither a spring nor covariates"
+        raise InputError(recording.file, "no time: a friction curve", accepted)
+    v, u = recording["v"], recording["u"]
+    order = np.argsort(v, kind="stable")
+    order = order[v[order] != 0.0]
+    if order.size < FEWEST_STEADY:
+        raise InputError(recording.file, f"{order.size} speeds", f"at least {FEWEST_STEADY} beside 0 are accepted")
+    rest = v.size - order.size
+    v, u = v[order], u[order]
+    if float(np.sum(u * v)) < 0.0:
+        # what acts on the slider, where what holds its speed is asked for
+        u = -u
+    noise = {"u": Noise(max(_noise(v, u), _LEAST * float(np.max(np.abs(u)))), True, 0.0, 0.0)}
+    # no motion says a mass: of what forces make, a unit of it is as good as any
+    problem = Curve(
+        np.arange(order.size, dtype=np.float64), {"u": u}, noise, mass=asked.mass or 1.0, v=v, order=order,
+        angular=recording.angular,
+    )  # fmt: skip
+    notes = [f"{rest} rows at rest, where friction may have any value, are left out"] if rest else []
+    return problem, (*notes, *(() if problem.both_ways else (ALONE,)))
+
+
+def _noise(v: FloatArray, u: FloatArray) -> float:
+    """Standard deviation of u (n,): of each row from the line through its neighbours on its side.
+
+    Gasser, Sroka and Jennen-Steinmetz 1986, Biometrika 73, 625.
+    """
+    squares = []
+    for side in (v < 0.0, v > 0.0):
+        s, y = v[side], u[side]
+        span = np.where(s[2:] == s[:-2], 1.0, s[2:] - s[:-2])
+        a = np.where(s[2:] == s[:-2], 0.5, (s[2:] - s[1:-1]) / span)
+        left = a * y[:-2] + (1.0 - a) * y[2:] - y[1:-1]
+        squares += (left**2 / (a**2 + (1.0 - a) ** 2 + 1.0)).tolist()
+    # a bend at one end is no noise
+    return float(np.sqrt(np.median(squares) / 0.4549)) if squares else 0.0

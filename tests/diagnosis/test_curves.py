@@ -1,0 +1,78 @@
+"""Friction curves: tables of speeds that were held and the force that held them. Truths are the formulas themselves."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import harness
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
+from harness.core.recording import Recording
+
+SPEEDS = np.geomspace(0.02, 3.0, 14)
+NOISE = 0.01
+
+
+def table(force: FloatArray, speeds: FloatArray = SPEEDS) -> Recording:
+    """A table in the order of nobody; force (n,) at speeds (n,)."""
+    random = np.random.default_rng(2)
+    mixed = random.permutation(speeds.size)
+    noisy = force + NOISE * random.standard_normal(speeds.size)
+    return Recording(np.arange(speeds.size, dtype=np.float64), {"v": speeds[mixed], "u": noisy[mixed]}, steady=True)
+
+
+def both(force: FloatArray, push: float = 0.0) -> Recording:
+    """The same in both directions, with a force that pushes besides."""
+    return table(np.concatenate((-force[::-1], force)) + push, np.concatenate((-SPEEDS[::-1], SPEEDS)))
+
+
+def test_viscous_and_coulomb_friction_are_read_off() -> None:
+    found = harness.diagnose(both(1.2 + 0.3 * SPEEDS), engines=())
+    assert found.verdict == "adequate"
+    for name, truth in (("f_k", 1.2), ("c", 0.3)):
+        one = found.baseline.parameters[name]
+        assert one.value is not None
+        assert one.stderr is not None
+        assert abs(one.value - truth) < 4.0 * one.stderr
+
+
+@pytest.mark.parametrize(
+    ("name", "force"),
+    [
+        ("stribeck", 1.2 + 0.3 * SPEEDS + 0.8 * np.exp(-((SPEEDS / 0.15) ** 2))),
+        ("quadratic-drag", 1.2 + 0.1 * SPEEDS + 0.25 * SPEEDS**2),
+        ("power-law-damping", 0.6 + 1.1 * SPEEDS**0.5),
+    ],
+)
+def test_a_law_of_the_speed_is_named_in_one_direction(name: str, force: FloatArray) -> None:
+    found = harness.diagnose(table(force), engines=())
+    assert [m.name for m in found.mechanisms] == [name]
+    assert any("one direction" in note for note in found.recording.notes)
+
+
+def test_an_offset_is_told_where_both_directions_are_and_signs_of_a_resistance_are_too() -> None:
+    found = harness.diagnose(both(1.2 + 0.3 * SPEEDS, push=0.4), engines=())
+    assert [m.name for m in found.mechanisms] == ["constant-force"]
+    turned = harness.diagnose(both(-1.2 - 0.3 * SPEEDS), engines=())
+    assert turned.verdict == "adequate"
+    assert turned.baseline.parameters["f_k"].value == pytest.approx(1.2, abs=0.02)
+
+
+def test_a_file_without_a_time_needs_no_option_and_leaves_page_trace_and_models(tmp_path: Path) -> None:
+    rows = "\n".join(f"{v:.5f},{1.2 + 0.3 * v:.5f}" for v in SPEEDS)
+    file = tmp_path / "table.csv"
+    file.write_text(f"speed [rad/s],torque [N m]\n{rows}\n")
+    found = harness.diagnose(file, out=tmp_path / "left")
+    assert found.baseline.parameters["c"].value == pytest.approx(0.3, abs=0.01)
+    for name in ("report.html", "trace.rrd", "model/model.json"):
+        assert (tmp_path / "left" / name).stat().st_size > 0
+
+
+def test_what_needs_a_motion_is_refused_with_a_table() -> None:
+    one = both(1.2 + 0.3 * SPEEDS)
+    for asked in ({"restoring": "spring"}, {"validate": one}, {"horizon": 1.0}):
+        with pytest.raises(InputError):
+            harness.diagnose(one, engines=(), **asked)
+    with pytest.raises(InputError):
+        harness.diagnose([one, one], engines=())
