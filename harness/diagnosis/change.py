@@ -130,7 +130,7 @@ def _known(within: FloatArray) -> FloatArray:
 
 def _together(names: Sequence[str], problem: Problem) -> dict[str, np.ndarray]:
     """Further directions: a mass that nobody knows, of which a bob's pulls it back in proportion."""
-    if "m" in names:
+    if "m" in names or not problem.moves:
         return {}
     bob = problem.restoring is Restoring.PENDULUM
     return {INERTIA: np.array([not (bob and name == "k") for name in names])}

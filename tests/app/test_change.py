@@ -106,3 +106,36 @@ def test_a_decay_and_a_driven_recording_are_not_one_machine() -> None:
     driven = Recording(T, {"x": decay(1)["x"], "u": np.sin(T)}, "driven.csv")
     with pytest.raises(InputError, match="not both"):
         harness.change([decay(1)], [driven])
+
+
+def coast(seed: int, friction: float, damping: float, v0: float = 20.0) -> Recording:
+    """What only slows: v' = -(f + c v), until it stops."""
+    t: FloatArray = np.arange(600) / 20.0
+    v = np.maximum((v0 + friction / damping) * np.exp(-damping * t) - friction / damping, 0.0)
+    return Recording(t, {"v": v + 0.02 * np.random.default_rng(seed).standard_normal(t.size)}, f"coast-{seed}.csv")
+
+
+def test_run_downs_of_two_conditions() -> None:
+    before = [coast(1, 0.8, 0.05), coast(2, 0.8, 0.05, 18.0)]
+    found = harness.change(before, [coast(3, 1.2, 0.05), coast(4, 1.2, 0.05, 19.0)])
+    assert found.changed == ["f_k"]
+    (friction,) = (one.ratio for one in found.numbers if one.name == "f_k")
+    assert friction.value == pytest.approx(1.5, abs=3.0 * (friction.stderr or 0.0))
+
+
+def test_curves_of_two_conditions() -> None:
+    """Of a table no mass is told, so that none can have changed."""
+    v: FloatArray = np.concatenate((-np.linspace(0.1, 2.0, 12), np.linspace(0.1, 2.0, 12)))
+
+    def curve(seed: int, damping: float) -> Recording:
+        u = 0.5 * np.sign(v) + damping * v + 0.004 * np.random.default_rng(seed).standard_normal(v.size)
+        return Recording(np.arange(v.size, dtype=np.float64), {"v": v, "u": u}, f"curve-{seed}.csv", steady=True)
+
+    found = harness.change([curve(1, 0.2), curve(2, 0.2)], [curve(3, 0.3), curve(4, 0.3)])
+    assert found.changed == ["c"]
+    assert [one.name for one in found.numbers] == ["c", "f_k"]
+
+
+def test_a_decay_and_a_run_down_are_not_one_kind() -> None:
+    with pytest.raises(InputError, match="one kind"):
+        harness.change([decay(1)], [coast(2, 0.8, 0.05)])

@@ -1,13 +1,14 @@
 """What changed of a machine between two conditions: harness diagnose --before ... --after ..."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from harness.app.diagnose.options import DiagnoseOptions
-from harness.app.diagnose.problem import prepared_together
+from harness.app.diagnose.problem import prepared, prepared_together
 from harness.app.shared.leaving import FILES, leave, leaving
 from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import SILENT, Progress
@@ -19,6 +20,7 @@ from harness.core.telling import listening
 from harness.diagnosis.change import INERTIA, Compared, Number, compared, laws_of
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.pipeline import diagnose as conclude
+from harness.diagnosis.prepare.run_down import runs_down
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.forces_together import ForcesTogether
 from harness.diagnosis.problems.together import Together
@@ -72,6 +74,41 @@ def deliver(
     return result
 
 
+@dataclass(frozen=True, slots=True)
+class _Ready:
+    """Recordings of both conditions, prepared alike. laid : what is to be diagnosed of some of them."""
+
+    each: Sequence[Problem]
+    laid: Callable[[Sequence[Problem]], Sequence[Problem]]
+    warnings: tuple[str, ...]
+    notes: tuple[str, ...]
+
+    @classmethod
+    def of(cls, recordings: Sequence[Recording], options: DiagnoseOptions) -> "_Ready":
+        """Decays, and driven recordings, laid one behind the other; run-downs and tables one by one.
+
+        Raises InputError for recordings of several kinds.
+        """
+        one_by_one = [one.steady or ("u" not in one and runs_down(one, options.restoring)) for one in recordings]
+        if any(one_by_one):
+            found = [prepared(one, options) for one in recordings]
+            kinds = {type(one.problem) for one in found}
+            if len(kinds) > 1:
+                other = recordings[one_by_one.index(True)].file
+                raise InputError("--before", f"{other} is no motion of the kind of all others", "one kind is accepted")
+            said = [line for one in found for line in one.warnings], [line for one in found for line in one.notes]
+            return cls([one.problem for one in found], lambda group: group, tuple(said[0]), tuple(said[1]))
+        ready = prepared_together(recordings, options)
+        whole = ready.problem
+        assert isinstance(whole, Together | ForcesTogether)
+
+        def laid(group: Sequence[Problem]) -> Sequence[Problem]:
+            return group if len(group) == 1 else [type(whole).laid(group)]  # type: ignore[arg-type]
+
+        each = whole.each if isinstance(whole, ForcesTogether) else whole.alone
+        return cls(each, laid, ready.warnings, ready.notes)
+
+
 def result_of(
     before: Sequence[Recording],
     after: Sequence[Recording],
@@ -85,27 +122,23 @@ def result_of(
         if getattr(options, name) not in (None, ()):
             raise InputError(f"--{name.removesuffix('s')}", "given with --before", "it is accepted with one recording")
     recordings = [thinned(one) for one in (*before, *after)]
-    ready = prepared_together(recordings, options)
-    laid, count = ready.problem, len(before)
-    assert isinstance(laid, Together | ForcesTogether)
-    each: Sequence[Problem] = laid.each if isinstance(laid, ForcesTogether) else laid.alone
-    groups = each[:count], each[count:]
-    outcomes: list[Outcome] = []
+    ready, count = _Ready.of(recordings, options), len(before)
+    groups = ready.each[:count], ready.each[count:]
+    outcomes: list[list[Outcome]] = []
     with np.errstate(over="ignore", invalid="ignore"), listening(progress):
         for i, group in enumerate(groups):
             progress(("before", "after")[i], 1 + i, STEPS)
-            whole = group[0] if len(group) == 1 else type(laid).laid(group)  # type: ignore[arg-type]
-            outcomes.append(conclude(whole, seconds=options.seconds))
+            outcomes.append([conclude(whole, seconds=options.seconds) for whole in ready.laid(group)])
         progress("what changed", 3, STEPS)
-        found = compared(*groups, laws_of(outcomes))
+        found = compared(*groups, laws_of([one for group in outcomes for one in group]))
     alone = (ONE_EACH,) if max(len(before), len(after)) == 1 else ()
     unknown = [
         f"{name}: no model explains the recordings, so that errors allow for what is left over"
-        for name, outcome in zip(("before", "after"), outcomes, strict=True)
-        if outcome.verdict not in ("adequate", "missing_physics")
+        for name, group in zip(("before", "after"), outcomes, strict=True)
+        if any(one.verdict not in ("adequate", "missing_physics") for one in group)
     ]
     read = [note for one in recordings for note in one.notes]
-    infos = [recording_info(one, problem.noise) for one, problem in zip(recordings, each, strict=True)]
+    infos = [recording_info(one, problem.noise) for one, problem in zip(recordings, ready.each, strict=True)]
     result = ChangeResult(
         statement=_statement(found),
         changed=list(found.found.directions),

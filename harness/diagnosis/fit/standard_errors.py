@@ -192,8 +192,9 @@ def base_parameters(found: Fit, problem: Problem, omega: float, explained: bool)
     }
     if model.restoring is Restoring.NONE:
         mass = about_an_axis("kg") if problem.angular else "kg"
+        inertia = combined(m, {"m": 1.0}, mass) if "m" in at else Quantity(m, None, mass, _NOT_FITTED)
         return {
-            "mass": combined(m, {"m": 1.0}, mass) if "m" in at else Quantity(m, None, mass, _NOT_FITTED),
+            **({"mass": inertia} if problem.moves else {}),
             "c": combined(c, {"c": 1.0}, unit_of("N s/m", problem), c <= 0.0),
             "f_k": combined(f_k, {"f_k": 1.0}, unit_of("N", problem), f_k <= 0.0),
             **given,
