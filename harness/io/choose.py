@@ -1,6 +1,6 @@
 """Which columns of a table are which channels: as --columns says, else by their names, else by what they hold."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
-from harness.io.columns import CHANNELS, Mapping, candidates, is_angle, meaning, parse_columns
+from harness.io.columns import CHANNELS, Mapping, candidates, is_angle, is_commanded, meaning, parse_columns
 from harness.io.options import UNSAID, ReadOptions, RefusedError
 from harness.io.scoring import runs_of
 from harness.io.table import Table
@@ -57,7 +57,18 @@ def chosen(table: Table, options: ReadOptions) -> Chosen:
     if "t" in mappings and rate is not None:
         accepted = "one of the two is accepted (--columns without t leaves the column out)"
         raise InputError("--rate", f"given although a column of {table.path} gives the time", accepted)
-    return found
+    return replace(found, notes=(*found.notes, *_commanded(table, mappings)))
+
+
+def _commanded(table: Table, mappings: dict[str, Mapping]) -> list[str]:
+    """A note where somebody commanded what is read, and no force tells how it was obeyed."""
+    goals = [i for i, name in enumerate(table.names) if is_commanded(name)]
+    if "u" in mappings or not goals:
+        return []
+    moved = [i for i, y in zip(goals, table.columns(goals), strict=True) if y.size and np.nanmin(y) < np.nanmax(y)]
+    name = table.headers[moved[0]][:_LONG] if moved else ""
+    said = f"{name} was commanded: what follows it is no free decay; its torque or current, as u, would tell friction."
+    return [said] if moved else []
 
 
 def _others(table: Table, options: ReadOptions) -> list[dict[str, Any]]:

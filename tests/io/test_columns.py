@@ -1,9 +1,14 @@
 """--columns: products of names and numbers, and nothing else."""
 
+from pathlib import Path
+
+import numpy as np
 import pytest
 
 from harness.core.errors import InputError
 from harness.io.columns import Mapping, parse_columns
+from harness.io.options import ReadOptions
+from harness.io.recording import read_recording
 from harness.io.units import parse_unit, split_header
 
 GOOD: list[tuple[str, list[Mapping]]] = [
@@ -111,3 +116,14 @@ def test_headers_are_split() -> None:
     assert split_header(" x [mm] ") == ("x", "mm")
     assert split_header("x") == ("x", None)
     assert split_header("Position 1[ deg ]") == ("Position 1", "deg")
+
+
+@pytest.mark.parametrize(("with_force", "told"), [(False, True), (True, False)])
+def test_a_goal_is_told_where_no_force_says_how_it_was_obeyed(tmp_path: Path, with_force: bool, told: bool) -> None:
+    t = np.arange(200) / 50.0
+    table = [t, np.exp(-0.3 * t) * np.cos(6.0 * t), 0.5 * np.sign(np.sin(t)), *([np.cos(t)] if with_force else [])]
+    path = tmp_path / "servo.csv"
+    header = "t,position,goal_position" + (",u" if with_force else "")
+    np.savetxt(path, np.column_stack(table), delimiter=",", header=header, comments="")
+    notes = read_recording(path, ReadOptions()).notes
+    assert any("goal_position" in note for note in notes) is told
