@@ -106,6 +106,10 @@ def prepare_together(recordings: Sequence[Recording], asked: Asked) -> tuple[Pro
     if tables:
         found = f"{tables[0]} is a table of speeds and forces without a time"
         raise InputError("--together", found, "recordings of a motion are accepted")
+    falling = [one.file for one in recordings if not is_driven(one) and runs_down(one, asked.restoring)]
+    if falling:
+        accepted = "swings and driven recordings are accepted; --before A --after B compares run-downs"
+        raise InputError("--together", f"{falling[0]} runs down", accepted)
     driven = recordings and all(is_driven(one) for one in recordings)
     return forces_together(recordings, asked) if driven else together(recordings, asked)
 
