@@ -234,7 +234,7 @@ def _together(together: Mapping[str, RepeatedResult]) -> b.Table:
 
 def _units(result: DiagnosisResult) -> dict[str, str]:
     """Unit of a rmse by channel."""
-    angular = any("rad" in p.unit for name, p in result.baseline.parameters.items() if name == "x_k")
+    angular = any("rad" in p.unit for name, p in result.baseline.parameters.items() if name != "omega_n")
     return {"x": "rad", "v": "rad/s", "a": "rad/s²"} if angular else {"x": "m", "v": "m/s", "a": "m/s²"}
 
 

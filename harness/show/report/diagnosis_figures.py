@@ -334,7 +334,7 @@ def evidence(result: DiagnosisResult) -> Section:
     none = f" No better than the base model alone: {', '.join(others)}." if others else ""
     if not better:
         said = f"No catalogue name does better than the base model.{none}"
-        return Section(title, [Figure("evidence", [], {}, said, "", 40)])
+        return Section(title, [Text(said)])
     names, gains = [one.name for one in better], [one.delta_bic for one in better]
     text = [f"{gain:.0f}" for gain in gains]
     trace, layout = bars(names, gains, [looks[name] for name in names], text, "%{x:.5g}")
