@@ -18,7 +18,8 @@ from harness.diagnosis.problem import Problem
 from harness.diagnosis.rules import MOST_MOVED, MOVED, REPEATS, REPEATS_KNOWN, REPEATS_SPRING
 from harness.estimate.changed import Changed, Conditions, Repeats
 from harness.kernels.solve import Scales
-from harness.model.model import ModelTerm, Restoring
+from harness.model.model import Model, ModelTerm, Restoring
+from harness.model.term import Term
 
 INERTIA = "inertia"
 """Of a mass that is not known: all forces per mass change in proportion."""
@@ -44,20 +45,24 @@ class Compared:
     found: Changed
 
 
-def laws_of(outcomes: Sequence[Outcome]) -> tuple[ModelTerm, ...]:
-    """What is named in any of the conditions, in the form found first; laws with a size and no clock."""
-    found: dict[str, ModelTerm] = {}
+def laws_of(outcomes: Sequence[Outcome]) -> tuple[Model, ...]:
+    """The model of each condition that names something, with what it names; laws with a size and no clock."""
+    found = []
     for outcome in outcomes:
-        for entry in outcome.refined.model.terms if outcome.verdict in _TOLD else ():
-            term = entry.term
-            if term.searched and term.amplitude is not None and term.phase is None and term.name not in found:
-                found[term.name] = entry
-    return tuple(found.values())
+        named = [e for e in outcome.refined.model.terms if outcome.verdict in _TOLD and _has_a_size(e.term)]
+        if named:
+            found.append(replace(outcome.refined.model, terms=tuple(named)))
+    return tuple(found)
 
 
-def compared(before: Sequence[Problem], after: Sequence[Problem], laws: Sequence[ModelTerm]) -> Compared:
-    """Which numbers of a machine changed. Raises InputError, SimulationError."""
-    read = [_read(one, laws) for one in (*before, *after)]
+def _has_a_size(term: Term) -> bool:
+    return term.searched and term.amplitude is not None and term.phase is None
+
+
+def compared(before: Sequence[Problem], after: Sequence[Problem], named: Sequence[Model]) -> Compared:
+    """Which numbers of a machine changed; named : see ``laws_of``. Raises InputError, SimulationError."""
+    laws = tuple({e.term.name: e for model in reversed(named) for e in model.terms}.values())
+    read = [_read(one, laws, named) for one in (*before, *after)]
     names = [name for name in read[0].at if all(name in one.at for one in read)]
     values = np.array([[one.found.values[one.at[name]] for name in names] for one in read])
     within = _known(np.array([one.covariance(names) for one in read]))
@@ -97,17 +102,38 @@ class _Read:
         return np.where(np.outer(told, told), found, np.where(np.eye(len(at)) > 0.0, np.nan, 0.0))
 
 
-def _read(problem: Problem, laws: Sequence[ModelTerm]) -> _Read:
+def _read(problem: Problem, laws: Sequence[ModelTerm], named: Sequence[Model]) -> _Read:
+    """A recording fitted with all laws, from its base fit without any and from each model that names one."""
     based = kind_of(problem).fit_base(problem)
     found, problem = based.fit, based.problem
     if laws:
-        model = replace(found.model, terms=tuple(laws))
-        free = [f for f in free_of(model, base_of(found.free)) if _sized(f, laws)]
-        # what one recording of many cannot follow with the laws is read without them
-        with suppress(SimulationError):
-            found = fit(model, problem, tuple(free), based.scales)
+        names = base_of(found.free)
+        starts = [_beside(found.model, found.model, laws), *(_beside(found.model, one, laws) for one in named)]
+        fits: list[Fit] = []
+        for model in starts:
+            free = tuple(f for f in free_of(model, names) if _sized(f, laws))
+            with suppress(SimulationError):
+                fits.append(fit(model, problem, free, based.scales))
+        if not fits:
+            raise SimulationError("a recording cannot be followed with what is named")
+        found = min(fits, key=lambda one: one.chi2)
     at = {f.name: i for i, f in enumerate(found.free) if f.name in _UNITS or isinstance(f.by, tuple)}
     return _Read(problem, found, based.scales, at)
+
+
+def _beside(own: Model, physics: Model, laws: Sequence[ModelTerm]) -> Model:
+    """A recording's own start with the physics of a model: its laws as large as they are in it, nothing of others."""
+    sizes = {e.term.name: e.values for e in physics.terms}
+    terms = []
+    for entry in laws:
+        place = entry.term.amplitude
+        assert place is not None
+        none = entry.term.parameters[place].none
+        size = sizes[entry.term.name][place] if entry.term.name in sizes else none
+        values = tuple(size if i == place and size is not None else v for i, v in enumerate(entry.values))
+        terms.append(replace(entry, values=values))
+    moved = {stem: getattr(physics, stem) for stem in ("c", "k", "f_k")}
+    return replace(own, terms=tuple(terms), **moved)
 
 
 def _sized(f: Free, laws: Sequence[ModelTerm]) -> bool:

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.special import fdtrc
 
 from harness.core.arrays import BoolArray, FloatArray
+from harness.estimate.repeated import repeated
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,12 +84,13 @@ class Conditions:
     def _between(self, repeats: Repeats) -> tuple[FloatArray, float]:
         """Standard deviation of repeats (p,), and the degrees of freedom that it rests on."""
         found, seen = repeats.freedom * repeats.relative**2, 0
-        for group in (self.values[self.second], self.values[~self.second]):
-            if len(group) > 1:
-                errors = np.diagonal(self.within, axis1=1, axis2=2)
-                error = np.mean(errors[self.second if group is self.values[self.second] else ~self.second], axis=0)
-                found = found + (len(group) - 1) * np.maximum(np.var(group, axis=0, ddof=1) - error, 0.0)
-                seen += len(group) - 1
+        errors = np.sqrt(np.diagonal(self.within, axis1=1, axis2=2))
+        for of in (self.second, ~self.second):
+            more = int(np.count_nonzero(of)) - 1
+            if more > 0:
+                each = zip(self.values[of].T, errors[of].T, strict=True)
+                found = found + more * np.array([repeated(y.tolist(), e.tolist()).between ** 2 for y, e in each])
+                seen += more
         return np.sqrt(found / (repeats.freedom + seen)), repeats.freedom + seen
 
     def fitted(self, ways: Sequence[str]) -> tuple[FloatArray, FloatArray, float]:

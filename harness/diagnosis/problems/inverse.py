@@ -45,21 +45,7 @@ class InverseDynamics(Forced):
     @classmethod
     def of(cls, driven: Driven, windows: Windows) -> "InverseDynamics":
         """The same recording, with its force fitted."""
-        return cls(
-            driven.t,
-            driven.channels,
-            driven.noise,
-            weight=driven.weight,
-            mass=driven.mass,
-            restoring=driven.restoring,
-            zero_free=driven.zero_free,
-            angular=driven.angular,
-            starts=windows,
-            drive=driven.drive,
-            first=driven.first,
-            covariates=driven.covariates,
-            guarded=driven.guarded,
-        )
+        return _as(cls, driven, windows)
 
     @property
     def measured(self) -> Measured:
@@ -137,21 +123,7 @@ class InverseDynamics(Forced):
     @property
     def followed(self) -> Driven:
         """The same recording with its motion followed, over the windows."""
-        return Driven(
-            self.t,
-            self.channels,
-            self.noise,
-            weight=self.weight,
-            mass=self.mass,
-            restoring=self.restoring,
-            zero_free=self.zero_free,
-            angular=self.angular,
-            starts=self.starts,
-            drive=self.drive,
-            first=self.first,
-            covariates=self.covariates,
-            guarded=self.guarded,
-        )
+        return _as(Driven, self, self.starts)
 
     def giving(self, covariate: str, values: FloatArray) -> Self:
         """See Problem."""
@@ -171,4 +143,24 @@ class InverseDynamics(Forced):
         return replace(self, noise=noise, independent=independent, fixed=self.measured)
 
 
+F = TypeVar("F", Driven, InverseDynamics)
 Q = TypeVar("Q", bound=InverseDynamics)
+
+
+def _as(kind: type[F], other: Driven | InverseDynamics, windows: Windows) -> F:
+    """The same recording over windows, read as another kind of a driven one."""
+    return kind(
+        other.t,
+        other.channels,
+        other.noise,
+        weight=other.weight,
+        mass=other.mass,
+        restoring=other.restoring,
+        zero_free=other.zero_free,
+        angular=other.angular,
+        starts=windows,
+        drive=other.drive,
+        first=other.first,
+        covariates=other.covariates,
+        guarded=other.guarded,
+    )
