@@ -15,7 +15,7 @@ import tempfile
 from pathlib import Path
 
 DOCS = Path(__file__).resolve().parent
-PAGES = ("start.md", "own-recording.md", "own-simulation.md", "robot-example.md")
+PAGES = ("start.md", "own-recording.md", "own-simulation.md", "robot-example.md", "words.md")
 GIVEN = (DOCS / "example" / "rig.csv", DOCS.parent / "models" / "arm" / "arm.xml")
 _BLOCK = re.compile(r"(?<=^```console\n)\$ .*?(?=^```$)", re.MULTILINE | re.DOTALL)
 _FILE = re.compile(r"^`(\S+\.\w+)`:\n\n```\w+\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -47,7 +47,7 @@ def _run(command: str, folder: Path) -> str:
     environment = {**os.environ, "COLUMNS": str(_WIDTH), "NO_COLOR": "1", "PYTHONIOENCODING": "utf-8"}
     call = [sys.executable, *(["-m", "harness.cli"] if program == "harness" else []), *words]
     ended = subprocess.run(call, cwd=folder, env=environment, capture_output=True, text=True, check=False)
-    if ended.returncode != 0:
+    if ended.returncode > 1:  # 1: a check failed, which it says
         raise SystemExit(f"{command}: {ended.stderr}")
     return "".join(f"{line.rstrip()}\n" for line in ended.stdout.splitlines() if not _ELSEWHERE.search(line))
 

@@ -4,6 +4,7 @@ No document type, no entities, files of its own folder alone; what is only looke
 that no mesh is missed.
 """
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,6 +32,10 @@ class Source:
     root: Any
 
 
+_VERSION = re.compile(rb"^(<\?xml\s+version=[\"'])0\.0(?=[\"'])")
+"""Of a declaration that many URDFs begin with, and that only parsers of robots take."""
+
+
 def read_xml(path: Path, edited: Mapping[Path, str] = MappingProxyType({})) -> Source:
     """One file; edited : by resolved path, texts that take the place of what a file holds.
 
@@ -42,7 +47,7 @@ def read_xml(path: Path, edited: Mapping[Path, str] = MappingProxyType({})) -> S
     data = read_bytes(path, MOST_BYTES) if other is None else other.encode()
     parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False)
     try:
-        tree = etree.fromstring(data, parser).getroottree()
+        tree = etree.fromstring(_VERSION.sub(rb"\g<1>1.0", data), parser).getroottree()
         text = data.decode(tree.docinfo.encoding or "utf-8") if other is None else other
     except (etree.XMLSyntaxError, UnicodeDecodeError, LookupError) as error:
         raise InputError(str(path), f"no XML ({error})", "a robot's model, MJCF or URDF, is accepted") from None

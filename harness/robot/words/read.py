@@ -1,0 +1,117 @@
+"""A model's file as nodes that know where they stand: what MJCF, URDF, SDF and USD (as text) have in common here.
+
+The file is read within the bounds of every robot's model: no document type, no entities, includes of its own folder.
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final
+
+from harness.core.bounded import check_file, read_bytes
+from harness.core.errors import InputError
+from harness.robot.bare import MOST_BYTES, read_xml, with_included
+from harness.robot.paste import tags
+from harness.robot.words.table import Form
+
+ACCEPTED: Final = "an MJCF, URDF or SDF, or a USD as text (.usda), is accepted"
+_ROOTS: Final[dict[str, Form]] = {"mujoco": "mjcf", "robot": "urdf", "sdf": "sdf", "gazebo": "sdf"}
+_USD = (".usd", ".usda", ".usdc", ".usdz")
+
+
+@dataclass(slots=True)
+class Node:
+    """An element, or a prim of a USD. way : names from the root down to its own. text : what stands in it, stripped."""
+
+    file: Path
+    line: int
+    way: tuple[str, ...]
+    attributes: dict[str, str]
+    text: str = ""
+    parent: "Node | None" = None
+    children: "list[Node]" = field(default_factory=list)
+
+    @property
+    def tag(self) -> str:
+        return self.way[-1]
+
+    def above(self) -> "Iterator[Node]":
+        """Itself, and what it stands in, outwards."""
+        node: Node | None = self
+        while node is not None:
+            yield node
+            node = node.parent
+
+
+def nodes_of(path: Path) -> tuple[Form, list[Node]]:
+    """The format of a file and all of its nodes, with those of files it includes, in order.
+
+    Raises InputError for a file that is not there, too large, or none of these formats.
+    """
+    check_file(path, accepted=ACCEPTED)
+    if path.suffix.lower() in _USD:
+        return "usd", list(_prims(path))
+    source = read_xml(path)
+    form = _ROOTS.get(source.root.tag)
+    if form is None:
+        raise InputError(str(path), f"XML that begins with <{source.root.tag}>", ACCEPTED)
+    sources = with_included(path) if form != "sdf" else (source,)
+    return form, [node for one in sources for node in _elements(one.path, one.text)]
+
+
+def _elements(path: Path, text: str) -> Iterator[Node]:
+    open_: list[Node] = []
+    line = at = 0
+    for tag in tags(text):
+        line, at = line + text.count("\n", at, tag.begin), tag.begin
+        del open_[len(tag.way) - 1 :]
+        parent = open_[-1] if open_ else None
+        said = "" if tag.empty else text[tag.end : max(text.find("<", tag.end), tag.end)].strip()
+        node = Node(path, line + 1, tag.way, dict(tag.attributes), said, parent)
+        if parent is not None:
+            parent.children.append(node)
+        open_.append(node)
+        yield node
+
+
+_PRIM = re.compile(r"^\s*(?:def|over|class)\s+(?:(?P<type>\w+)\s+)?\"(?P<name>[^\"]*)\"")
+_ATTRIBUTE = re.compile(
+    r"^\s*(?:(?:custom|uniform|varying|prepend)\s+)*[\w:]+(?:\[\])?\s+(?P<name>[\w:]+)\s*=\s*(?P<value>[^#]*)"
+)
+
+
+def _prims(path: Path) -> Iterator[Node]:
+    """Prims of a USD as text, each with the attributes that stand a line each in it."""
+    data = read_bytes(path, MOST_BYTES)
+    if not data.startswith(b"#usda"):
+        raise InputError(
+            str(path), "a USD that is no text", f"the text that usdcat writes: usdcat {path.name} -o a.usda"
+        )
+    open_: list[Node] = []
+    depth: list[int] = []
+    level = 0
+    for number, line in enumerate(data.decode("utf-8", "replace").splitlines(), 1):
+        bare = re.sub(r"\"[^\"]*\"|#.*", lambda found: '""' if found[0][0] == '"' else "", line)
+        if (found := _PRIM.match(line)) is not None:
+            parent = open_[-1] if open_ else None
+            node = Node(path, number, (*(parent.way if parent else ()), found["type"] or "Prim"), {}, "", parent)
+            node.attributes[""] = found["name"]
+            open_.append(node)
+            depth.append(level)
+            yield node
+        elif open_ and (found := _ATTRIBUTE.match(line)) is not None:
+            own = Node(
+                path,
+                number,
+                (*open_[-1].way, "attribute"),
+                {found["name"]: found["value"].rstrip(" (").strip()},
+                "",
+                open_[-1],
+            )
+            open_[-1].children.append(own)
+            yield own
+        level += bare.count("{") - bare.count("}")
+        while depth and level <= depth[-1] and "}" in bare:
+            depth.pop()
+            open_.pop()
