@@ -22,6 +22,7 @@ if TYPE_CHECKING:
         log,
         run,
         run_joint,
+        run_scene,
         simulate,
     )
     from harness.core import __version__
@@ -52,6 +53,7 @@ __all__ = [
     "log",
     "run",
     "run_joint",
+    "run_scene",
     "simulate",
     "stages",
 ]

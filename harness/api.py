@@ -24,6 +24,7 @@ from harness.results.diagnosis import DiagnosisResult
 from harness.results.identify import IdentifyResult
 from harness.results.robot import LogResult
 from harness.results.run import JointRunResult, RunResult
+from harness.results.scene import SceneResult
 
 __all__ = [
     "CompareResult",
@@ -36,6 +37,7 @@ __all__ = [
     "ModelDocument",
     "Recording",
     "RunResult",
+    "SceneResult",
     "Trajectory",
     "change",
     "compare",
@@ -47,6 +49,7 @@ __all__ = [
     "log",
     "run",
     "run_joint",
+    "run_scene",
     "simulate",
 ]
 
@@ -326,6 +329,24 @@ def run_joint(
         return computed(asked, Path(out))
     with TemporaryDirectory(prefix="friction-harness-") as folder:
         return computed(asked, Path(folder) / "joint").model_copy(update={"files": {}})
+
+
+def run_scene(
+    scene: File, body: str | None = None, *, duration: float | None = None, out: File | None = None
+) -> SceneResult:
+    """A body of a scene under its own options in MuJoCo: creep, lift and drift against dry friction, and what mends it.
+
+    scene : MJCF. body : None for the only free one. duration : s, of which the later half is measured; None for two.
+    out : as in ``run``. Raises InputError, StoreError.
+    """
+    from harness.app.run.scene import SceneRun
+    from harness.app.run.scene import run_scene as computed
+
+    asked = SceneRun(Path(scene), body, duration)
+    if out is not None:
+        return computed(asked, Path(out))
+    with TemporaryDirectory(prefix="friction-harness-") as folder:
+        return computed(asked, Path(folder) / "scene").model_copy(update={"files": {}})
 
 
 def log(

@@ -156,13 +156,16 @@ def columns_of(path: Path, edited: Mapping[str, str], looks: str) -> Found:
     return {"model": data.view(np.float64)}, {"notes": notes, "size": size}
 
 
-def prepared(path: Path, edited: Mapping[Path, str], fixed: bool = True) -> tuple[Any, list[str]]:
+def prepared(
+    path: Path, edited: Mapping[Path, str], fixed: bool = True, touching: bool = False
+) -> tuple[Any, list[str]]:
     """MuJoCo's model of a file as far as it is a rigid one, and what is to be said of it, one sentence each.
 
-    fixed : without free and ball joints. Bodies without a mass that move get the least that can be. Raises InputError.
+    fixed : without free and ball joints. touching : with every shape, pair and keyframe. Bodies without a mass that
+    move get the least that can be. Raises InputError.
     """
     file = str(path)
-    bare = bare_model(path, edited, fixed)
+    bare = bare_model(path, edited, fixed, touching)
     try:
         return compile_text(file, etree.tostring(bare.root), bare.files), bare.notes
     except InputError as refused:

@@ -172,6 +172,14 @@ _MJCF: Mapping[str, tuple[str, ...]] = {
     "actuator": _ACTUATORS,
 }
 """By element, what may stand in it: nothing else of a file reaches MuJoCo's compiler."""
+_MJCF_SCENE: Mapping[str, tuple[str, ...]] = {
+    **_MJCF,
+    "mujoco": (*_SECTIONS, "contact", "keyframe"),
+    "default": (*_MJCF["default"], "pair"),
+    "contact": ("pair", "exclude"),
+    "keyframe": ("key",),
+}
+"""The same where bodies touch: pairs, and the state it begins in."""
 _MJCF_COMPILER = (
     *("angle", "autolimits", "balanceinertia", "boundinertia", "boundmass", "coordinate", "eulerseq", "fitaabb"),
     *("fusestatic", "inertiafromgeom", "inertiagrouprange", "settotalmass", "alignfree"),
@@ -189,10 +197,13 @@ class Bare:
     notes: list[str]
 
 
-def bare_model(path: Path, edited: Mapping[Path, str] = MappingProxyType({}), fixed: bool = True) -> Bare:
+def bare_model(
+    path: Path, edited: Mapping[Path, str] = MappingProxyType({}), fixed: bool = True, touching: bool = False
+) -> Bare:
     """A model's file with those that it includes or attaches, as the rigid model needs it.
 
-    edited : as in ``read_xml``. fixed : free and ball joints are taken out, so that their bodies stand still. Raises
+    edited : as in ``read_xml``. fixed : free and ball joints are taken out, so that their bodies stand still.
+    touching : every shape of an MJCF stays, with its pairs and keyframes. Raises
     InputError for what is no rigid body, for what is neither MJCF nor URDF, for more copies than are reasonable, and
     for a moving body whose mass is that of a mesh that is not there.
     """
@@ -200,7 +211,7 @@ def bare_model(path: Path, edited: Mapping[Path, str] = MappingProxyType({}), fi
     if found.root.tag == "robot":
         _bare_urdf(str(path), found.root, found.notes)
     elif found.root.tag == "mujoco":
-        _bare_mjcf(path, found, path.resolve().parent, edited, fixed)
+        _bare_mjcf(path, found, path.resolve().parent, edited, fixed, touching)
     else:
         said = f"XML that begins with <{found.root.tag}>"
         raise InputError(str(path), said, "MJCF (<mujoco>) or URDF (<robot>) is accepted")
@@ -208,33 +219,38 @@ def bare_model(path: Path, edited: Mapping[Path, str] = MappingProxyType({}), fi
 
 
 def _bare_mjcf(
-    path: Path, model: Bare, first: Path, edited: Mapping[Path, str], fixed: bool, part: bool = False
+    path: Path,
+    model: Bare,
+    first: Path,
+    edited: Mapping[Path, str],
+    fixed: bool,
+    touching: bool,
+    part: bool = False,
 ) -> None:
     """first : folder of the model that the others are parts of. part : it is attached to another one."""
     file, root, folder = str(path), model.root, path.resolve().parent
     _check(file, root)
     meshes_at = mesh_folder(root)
-    _keep(file, root, _MJCF, _MJCF_COMPILER)
+    _keep(file, root, _MJCF_SCENE if touching else _MJCF, _MJCF_COMPILER)
     if fixed:
         model.notes.extend(_fixed(root))
     from_shapes = any(one.get("inertiafromgeom") == "true" for one in root.findall("compiler"))
-    needed: set[str] = set()
-    for world in root.findall("worldbody"):
+    needed = {name for geom in root.iter("geom") if touching and (name := geom.get("mesh")) is not None}
+    for world in root.findall("worldbody") if not touching else ():
         _without_shapes(world, moving=part, from_shapes=from_shapes, needed=needed)
     for one in list(root.iterfind("asset/*")):
         name = one.get("name") or Path(one.get("file") or "").stem
         if one.tag == "model":
-            _attached(file, one, model, first, edited, fixed)
+            _attached(file, one, model, first, edited, fixed, touching)
         elif name not in needed:
             one.getparent().remove(one)
         elif one.get("file") is not None:
             mesh = (folder / meshes_at / one.get("file")).resolve()
             if not mesh.is_file():
-                raise InputError(
-                    f"{file}: mesh {name}",
-                    f"a moving body has the mass of {one.get('file')}, which is not there",
-                    "the mesh, or an <inertial> in that body, is accepted",
-                )
+                of = "a shape of the scene is that" if touching else "a moving body has the mass"
+                instead = "the mesh" if touching else "the mesh, or an <inertial> in that body,"
+                where, found = f"{file}: mesh {name}", f"{of} of {one.get('file')}, which is not there"
+                raise InputError(where, found, f"{instead} is accepted")
             if not mesh.is_relative_to(first):
                 model.notes.append(f"the mesh {name} was read from {mesh}, outside of the model's folder")
             one.set("name", name)
@@ -256,7 +272,9 @@ def _check(file: str, root: Any) -> None:
             raise InputError(f"{file}: replicate", f"{copies} copies", f"at most {MOST_COPIES} are accepted")
 
 
-def _attached(file: str, asset: Any, model: Bare, first: Path, edited: Mapping[Path, str], fixed: bool) -> None:
+def _attached(
+    file: str, asset: Any, model: Bare, first: Path, edited: Mapping[Path, str], fixed: bool, touching: bool
+) -> None:
     """Make ready the model of an asset, whose bodies the first one attaches."""
     name = asset.get("file") or ""
     path = (first / name).resolve()
@@ -269,7 +287,7 @@ def _attached(file: str, asset: Any, model: Bare, first: Path, edited: Mapping[P
     part = Bare(with_included(path, edited)[0].root, model.files, model.notes)
     if part.root.tag != "mujoco" or next(part.root.iter("attach", "model"), None) is not None:
         raise InputError(where, "no MJCF, or one that attaches another", "an MJCF that attaches none is accepted")
-    _bare_mjcf(path, part, first, edited, fixed, part=True)
+    _bare_mjcf(path, part, first, edited, fixed, touching, part=True)
     _give(asset, model, ".xml", etree.tostring(part.root))
 
 

@@ -28,6 +28,8 @@ BEFORE, AFTER = "#e4632d", "#2b7fd6"
 BEFORE_NAME, AFTER_NAME = "viscous and Coulomb", "with what is named"
 LEFT, MOTION, HELD, SWING = "left", "motion", "held", "swing"
 """Of what a trace keeps under these names."""
+LIFTED, SPUN = "lifted", "spun"
+"""Of a body of a scene, beside how it slid: m, rad."""
 _MEANS = 48
 _BEFORE, _AFTER, _INSIDE = "before", "after", "inside"
 

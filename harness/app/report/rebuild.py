@@ -16,16 +16,18 @@ from harness.results.compare import CompareResult
 from harness.results.diagnosis import DiagnosisResult, read_diagnosis
 from harness.results.identify import IdentifyResult
 from harness.results.run import JointRunResult, RunResult
+from harness.results.scene import SceneResult
 from harness.show.blocks import Page
 from harness.show.report.diagnosis import diagnosis_page
 from harness.show.report.identify import identify_page
+from harness.show.report.own_scene import own_scene_page
 from harness.show.report.page import write_report
 from harness.show.report.robot import arm_page, joint_page
 from harness.show.report.run import run_page
 from harness.show.stored import HELD, LEFT, MOTION, SWING, StoredTrace, read_trace, unpacked
 
 PAGE = "report.html"
-Shown: TypeAlias = RunResult | IdentifyResult | DiagnosisResult | CompareResult | JointRunResult
+Shown: TypeAlias = RunResult | IdentifyResult | DiagnosisResult | CompareResult | JointRunResult | SceneResult
 
 
 def rebuild(place: Path, out: Path | None = None) -> tuple[Shown, Path]:
@@ -85,12 +87,18 @@ def _joint(stored: StoredTrace, data: Any) -> tuple[JointRunResult, Page]:
     return result, joint_page(result, stored.robot[HELD], stored.robot[SWING])
 
 
+def _scene(stored: StoredTrace, data: Any) -> tuple[SceneResult, Page]:
+    result = SceneResult.model_validate(data)
+    return result, own_scene_page(result, stored.robot[HELD])
+
+
 _AGAIN: dict[str, Callable[[StoredTrace, Any], tuple[Shown, Page]]] = {
     "harness.diagnosis/1": _diagnosis,
     "harness.diagnosis/2": _diagnosis,
     "harness.run/1": _run,
     "harness.identify/1": _identify,
     "harness.joint/1": _joint,
+    "harness.scene/1": _scene,
     "harness.compare/1": compare.again,
     "harness.compare/2": compare.again,
 }

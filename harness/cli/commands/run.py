@@ -1,5 +1,6 @@
 """harness run."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,6 +13,7 @@ from harness.core.errors import InputError
 
 if TYPE_CHECKING:
     from harness.results.run import JointRunResult, RunResult
+    from harness.results.scene import SceneResult
 
 
 @click.command(short_help="One slider in the exact reference, MuJoCo and PyBullet, with estimators and report.")
@@ -32,6 +34,8 @@ if TYPE_CHECKING:
     help="Run this model, model.json as harness diagnose writes it or an MJCF or URDF of one joint with --x0.",
 )
 @robot_options
+@click.option("--scene", type=PATH, metavar="FILE", help="A scene of your own, MJCF, stepped under its own options.")
+@click.option("--body", metavar="NAME", help="Which body of it is to rest.  [the only free one]")
 @engines_option("mujoco, pybullet")
 @click.option("--preset", metavar="as-shipped|tuned", help="Settings of the engines.  [both]")
 @click.option("--dt", type=float, metavar="S", help="Step of the tuned preset, s.  [1e-3]")
@@ -40,6 +44,8 @@ def command(
     scenario: str | None,
     model: Path | None,
     robot: Joint | None,
+    scene: Path | None,
+    body: str | None,
     restoring: str | None,
     engines: tuple[str, ...],
     preset: str | None,
@@ -61,16 +67,20 @@ def command(
              harness run --model slider.xml --x0 0.05
              harness run --restoring pendulum --x0 1.2 --f-k 2
              harness run --robot arm.xml --joint elbow
+             harness run --scene gripper.xml --body cube
              harness run --m 2.42 --k 2310 --c 4.79 --f-k 0.351 --x0 0.01 --json -
     """
     if model is not None:
         check_file(model)
+    if scene is not None:
+        length = given.pop("duration")
+        alone = {"--model": model, "--restoring": restoring, "--preset": preset, "--dt": dt, "--robot": robot}
+        _alone("--scene", {"SCENARIO": scenario, "--engine": engines or None, **alone}, given)
+        return _scene(scene, body, length, to)
+    if body is not None:
+        raise InputError("--body", "given without --scene", "it is accepted with --scene FILE")
     if robot is not None:
-        beside: dict[str, object] = {"SCENARIO": scenario, "--model": model, "--restoring": restoring}
-        beside |= {f"--{name.replace('_', '-')}": value for name, value in given.items()}
-        for option, value in beside.items():
-            if value is not None:
-                raise InputError("--robot", f"given with {option}", "one of the two is accepted")
+        _alone("--robot", {"SCENARIO": scenario, "--model": model, "--restoring": restoring}, given)
         from harness.app.run.joint import JointRun, run_joint
 
         asked = JointRun(*robot, engines, () if preset is None else (preset,), dt)
@@ -87,6 +97,32 @@ def command(
     if to.tables and not engines:
         say_left_out()
     return 1 if any(trace.error for trace in result.traces) else 0
+
+
+def _alone(option: str, beside: Mapping[str, object], given: Mapping[str, float | None]) -> None:
+    """Raise InputError for what was given beside an option that takes none of it."""
+    for name, value in {**beside, **{f"--{name.replace('_', '-')}": value for name, value in given.items()}}.items():
+        if value is not None:
+            raise InputError(option, f"given with {name}", "one of the two is accepted")
+
+
+def _scene(scene: Path, body: str | None, duration: float | None, to: Output) -> int:
+    from harness.app.run.scene import SceneRun, run_scene
+
+    asked = SceneRun(scene, body, duration)
+    with to.told() as progress:
+        result = run_scene(asked, to.out, progress, this_line())
+    to.give(result, _print_scene)
+    return 0
+
+
+def _print_scene(result: "SceneResult") -> None:
+    say_all(result.conclusions)
+    if result.change:
+        say("to paste into your file:")
+        for line in result.change.splitlines():
+            say_as_it_is(f"  {line}")
+    say_as_it_is(f"report: {result.files['report']}")
 
 
 def _print_joint(result: "JointRunResult") -> None:

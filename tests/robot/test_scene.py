@@ -1,0 +1,181 @@
+"""A body of the user's own scene: what of its motion dry friction would not do, and the options that mend it."""
+
+import json
+from pathlib import Path
+
+import jsonschema
+import mujoco
+import pytest
+from contact_scenes import ball, creep_of, pinch, slope, written
+from hypothesis import Phase, given, settings
+from hypothesis import strategies as st
+
+import harness
+from harness.app.report.rebuild import rebuild
+from harness.core.errors import InputError
+from harness.results import generate
+
+RESTS = 1e-5
+"""m/s."""
+ELLIPTIC = 'cone="elliptic"'
+MESH = '<asset><mesh name="m" file="no.stl"/></asset><worldbody>'
+
+
+@pytest.mark.parametrize(
+    ("option", "condim", "creep"),
+    [
+        # on a pyramid creep grows with condim, on an elliptic cone it falls as 1/impratio
+        ("", 3, 859.2),
+        ("", 6, 1416.0),
+        (ELLIPTIC, 3, 638.7),
+        (f'{ELLIPTIC} impratio="10"', 4, 63.87),
+    ],
+)
+def test_a_block_on_a_slope_creeps_as_its_options_have_it(
+    tmp_path: Path, option: str, condim: int, creep: float
+) -> None:
+    """um/s at half of the friction there is, a box of 1 kg, mu 0.5, steps of 2 ms; measured by mj_step of the file."""
+    found = harness.run_scene(written(tmp_path, slope(option, condim=condim)), "block", duration=0.6)
+    assert found.creep_m_s * 1e6 == pytest.approx(creep, rel=1e-3)
+    assert found.moved == ["slide"]
+    assert found.expected.rests
+    assert found.expected.cone_use == pytest.approx(0.5, abs=1e-3)
+    assert found.changed is not None
+    assert found.changed.mends
+    assert found.changed.creep_m_s < RESTS
+
+
+@pytest.mark.parametrize("shape", ["box", "sphere"])
+def test_a_pinch_grip_holds_with_what_is_to_be_pasted(tmp_path: Path, shape: str) -> None:
+    """The changed file is stepped here, by mj_step, and the diff of the two is what was printed."""
+    file = written(tmp_path, pinch(shape=shape))
+    found = harness.run_scene(file, "held", duration=0.6, out=tmp_path / "out")
+    assert found.creep_m_s == pytest.approx(creep_of(file, "held", 0.6), rel=0.02)
+    assert found.moved[0] == "slide"
+    assert found.proved
+    changed = Path(found.files["mjcf"])
+    assert creep_of(changed, "held", 0.6) < RESTS
+    added = [line[1:] for line in found.change.splitlines() if line.startswith("+") and not line.startswith("+++")]
+    assert all(line in changed.read_text(encoding="utf-8").splitlines() for line in added)
+    assert harness.run_scene(changed, "held", duration=0.6).moved == []
+
+
+def test_a_solver_that_is_cut_off_is_given_its_iterations(tmp_path: Path) -> None:
+    """An elliptic cone of ratio 10 lets go with one iteration and four steps of its line search; with more it holds."""
+    file = written(tmp_path, pinch(f'{ELLIPTIC} impratio="1000" iterations="1" ls_iterations="4"', shape="cylinder"))
+    found = harness.run_scene(file, "held", duration=0.6)
+    assert found.moved
+    assert found.changed is not None
+    assert found.changed.mends
+    assert set(found.changed.options) <= {"iterations", "ls_iterations"}
+
+
+def test_noslip_beside_a_ratio_on_a_pyramid_is_worse_than_the_ratio_alone(tmp_path: Path) -> None:
+    """86 um/s without it."""
+    file = written(tmp_path, slope('impratio="10" noslip_iterations="10"'))
+    found = harness.run_scene(file, duration=0.6)
+    assert found.creep_m_s > 4.0 * 86e-6
+    assert found.changed is not None
+    assert found.changed.mends
+
+
+def test_noslip_is_said_to_be_worse_where_it_is(tmp_path: Path) -> None:
+    """On a pyramid and near the limit of the grip; on an elliptic cone it helps."""
+    found = harness.run_scene(written(tmp_path, pinch(force=1.0)), "held", duration=1.0)
+    noslip = {one.options.get("cone", "pyramidal"): one for one in found.tried if "noslip_iterations" in one.options}
+    assert noslip["pyramidal"].creep_m_s > found.creep_m_s
+    assert not noslip["pyramidal"].mends
+    assert noslip["elliptic"].creep_m_s < RESTS
+    assert found.changed is not None
+    assert found.changed.options == {"cone": "elliptic", "noslip_iterations": 10}
+
+
+def test_a_ball_slows_down_as_its_rolling_friction_has_it(tmp_path: Path) -> None:
+    """mu_r g/(1.4 r); a pyramid takes too little, and an elliptic cone mends it."""
+    exact = 0.002 * 9.81 / (1.4 * 0.05)
+    right = harness.run_scene(written(tmp_path, ball(ELLIPTIC)))
+    assert right.deceleration_m_s2 == pytest.approx(exact, rel=1e-3)
+    assert right.moved == []
+    assert right.start == "rolling"
+    wrong = harness.run_scene(written(tmp_path, ball(), "pyramid.xml"))
+    assert wrong.deceleration_m_s2 is not None
+    assert wrong.deceleration_m_s2 < 0.9 * exact
+    assert wrong.moved == ["motion"]
+    assert wrong.expected.deceleration_m_s2 == pytest.approx(exact, rel=1e-3)
+    assert wrong.changed is not None
+    assert wrong.changed.options == {"cone": "elliptic"}
+
+
+@settings(max_examples=4, deadline=None, derandomize=True, phases=[Phase.generate])
+@given(
+    load=st.one_of(st.floats(0.1, 0.9), st.floats(1.15, 1.6)),
+    mu=st.floats(0.2, 0.5),
+    half=st.floats(0.05, 0.2),
+    mass=st.floats(0.1, 10.0),
+)
+def test_what_friction_holds_is_told_from_what_it_does_not(
+    tmp_path_factory: pytest.TempPathFactory, load: float, mu: float, half: float, mass: float
+) -> None:
+    """At random coefficients, sizes and masses; low, so that no block tips."""
+    shape = f'type="box" size="{half} {half} {0.2 * half}" mass="{mass}"'
+    text = slope(load=load, mu=mu, shape=shape).replace('pos="0 0 .05"', f'pos="0 0 {0.2 * half}"')
+    found = harness.run_scene(written(tmp_path_factory.mktemp("random"), text), duration=0.6)
+    assert found.expected.rests is (load < 1.0)
+    if load < 1.0:
+        assert found.moved
+        assert found.changed is not None
+        assert found.changed.creep_m_s < RESTS
+        assert found.expected.cone_use == pytest.approx(load, rel=0.02)
+    else:
+        assert found.moved == []
+        assert found.deceleration_m_s2 == pytest.approx(-(load - 1.0) * mu * 9.81, rel=0.02)
+
+
+def test_a_contact_says_whose_friction_it_has(tmp_path: Path) -> None:
+    """A pair's own before a geom's priority, before the larger of both."""
+    pair = '<contact><pair geom1="held" geom2="left" condim="4" friction="1.5 1.5 .01 .0001 .0001"/></contact>'
+    text = pinch(ELLIPTIC, contact=pair).replace('name="right" type="box"', 'name="right" priority="1" type="box"')
+    found = harness.run_scene(written(tmp_path, text), "held", duration=0.2)
+    rules = {one.other: one for one in found.touches}
+    assert rules["left"].rule == "the pair's own"
+    assert (rules["left"].condim, rules["left"].friction[0]) == (4, 1.5)
+    assert rules["right"].rule == "that of right, by priority"
+
+
+def test_a_contact_of_condim_1_holds_nothing(tmp_path: Path) -> None:
+    found = harness.run_scene(written(tmp_path, slope(condim=1)), duration=0.6)
+    assert not found.expected.rests
+    assert found.moved == []
+    assert found.deceleration_m_s2 == pytest.approx(-0.25 * 9.81, rel=1e-3)
+
+
+def test_a_sparse_jacobian_is_held_against_a_dense_one_where_the_version_calls_for_it(tmp_path: Path) -> None:
+    sparse = harness.run_scene(written(tmp_path, slope('jacobian="sparse"')), duration=0.2)
+    dense = harness.run_scene(written(tmp_path, slope('jacobian="dense"')), duration=0.2)
+    assert (sparse.dense_differs_m is not None) == (mujoco.__version__ == "4.0.0")
+    assert dense.dense_differs_m is None
+
+
+def test_the_result_is_valid_and_its_page_is_made_again_from_the_trace(tmp_path: Path) -> None:
+    found = harness.run_scene(written(tmp_path, slope()), duration=0.2, out=tmp_path / "out")
+    schema = json.loads((generate.FOLDER / "harness.scene-1.json").read_text(encoding="utf-8"))
+    jsonschema.validate(json.loads(Path(found.files["result"]).read_text(encoding="utf-8")), schema)
+    _, page = rebuild(Path(found.files["rrd"]), tmp_path / "again.html")
+    assert page.read_text(encoding="utf-8") == Path(found.files["report"]).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("text", "body", "says"),
+    [
+        (pinch(), "hold", "left, right, held; try: --body held"),
+        (slope().replace("<freejoint/>", "<joint/>"), None, "block; try: --body block"),
+        ("<mujoco><worldbody><body/></worldbody></mujoco>", None, "no body with a name that moves"),
+        ('<robot name="r"><link name="l"/></robot>', "l", "harness run --robot"),
+        (slope(shape='type="mesh" mesh="m"').replace("<worldbody>", MESH), None, "no.stl"),
+        (slope().replace("</worldbody>", "<composite type='cable'/></worldbody>"), None, "no rigid body"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_watched_is_said(tmp_path: Path, text: str, body: str | None, says: str) -> None:
+    with pytest.raises(InputError) as error:
+        harness.run_scene(written(tmp_path, text), body)
+    assert says in str(error.value)
