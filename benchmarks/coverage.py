@@ -1,8 +1,9 @@
 """Free decays with viscous and Coulomb friction alone and the nuisances of real recordings: do errors hold the truth?
 
-python -m benchmarks.coverage [--draws 300] [--seed S] [--of decays|run-downs]
+python -m benchmarks.coverage [--draws 300] [--seed S] [--of decays|phones|run-downs]
 
-Half of the run-downs have a quadratic drag besides (benchmarks.draws.run_downs).
+Phones: accelerations alone, with time stamps that jitter by .2 ms. Half of the run-downs
+have a quadratic drag besides (benchmarks.draws.run_downs).
 
 Clocks that jitter, noise that is coloured, quantised, a zero that is off; a plant of scipy's that shares no kernel.
 """
@@ -10,6 +11,8 @@ Clocks that jitter, noise that is coloured, quantised, a zero that is off; a pla
 import argparse
 import math
 import sys
+from collections.abc import Callable
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,11 +23,14 @@ from benchmarks.draws.run_downs import drawn, off_by
 from harness import Recording, diagnose
 
 Array = NDArray[np.float64]
+Drawn: TypeAlias = Callable[[np.random.Generator], tuple[Recording, dict[str, float]]]
 NUMBERS = ("omega_n", "zeta", "x_k")
+_JITTER = 2e-4
+"""Standard deviation of a phone's time stamps, s."""
 
 
-def decay(t: Array, omega: float, zeta: float, x_k: float, x: float) -> Array:
-    """Position (n,) at t (n,), s, of a slider that is let go at x and may come to rest."""
+def decay(t: Array, omega: float, zeta: float, x_k: float, x: float, of: int = 0) -> Array:
+    """Position (n,) at t (n,), s, of a slider let go at x, which may come to rest; of : 0, or 2 for acceleration."""
     out, at, i = np.empty_like(t), float(t[0]), 0
     while abs(x) > x_k:
         side = math.copysign(1.0, x)
@@ -36,12 +42,27 @@ def decay(t: Array, omega: float, zeta: float, x_k: float, x: float) -> Array:
         end = at + math.pi / (omega * math.sqrt(1.0 - zeta**2))
         run = solve_ivp(moved, (at, end), (x, 0.0), method="DOP853", rtol=1e-10, atol=1e-13, dense_output=True)
         j = int(np.searchsorted(t, end, side="right"))
-        out[i:j] = run.sol(t[i:j])[0]
+        motion = run.sol(t[i:j])
+        out[i:j] = motion[0] if of == 0 else moved(0.0, motion)[1]
         at, x, i = end, float(run.y[0, -1]), j
         if i >= t.size:
             return out
-    out[i:] = x
+    out[i:] = x if of == 0 else 0.0
     return out
+
+
+def carried(rng: np.random.Generator) -> tuple[Recording, dict[str, float]]:
+    """Acceleration that a phone takes of a slider, and its true numbers."""
+    omega, zeta, cycles = 2.0 * math.pi * rng.uniform(0.8, 4.0), rng.uniform(0.003, 0.02), rng.uniform(9.0, 22.0)
+    size = rng.uniform(0.03, 0.2)
+    x_k = size / (4.0 * cycles * rng.uniform(1.5, 4.0))
+    t = np.arange(0.0, cycles * 2.0 * math.pi / omega, 1.0 / float(rng.choice([100.0, 200.0, 400.0])))
+    taken = np.maximum(t + _JITTER * rng.standard_normal(t.size), 0.0)
+    order = np.argsort(taken)
+    a = np.empty_like(t)
+    a[order] = decay(np.concatenate(([0.0], taken[order])), omega, zeta, x_k, size, of=2)[1:]
+    a += rng.uniform(0.005, 0.03) * rng.standard_normal(t.size)
+    return Recording(t, {"a": a}, "phone.csv"), {"omega_n": omega, "zeta": zeta, "x_k": x_k}
 
 
 def recorded(rng: np.random.Generator) -> tuple[Recording, dict[str, float]]:
@@ -69,9 +90,12 @@ def main(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.coverage", description=__doc__)
     parser.add_argument("--draws", type=int, default=300)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--of", choices=("decays", "run-downs"), default="decays")
+    parser.add_argument("--of", choices=("decays", "phones", "run-downs"), default="decays")
     given = parser.parse_args(arguments)
-    off, wrong = (_of_decays if given.of == "decays" else _of_run_downs)(given.draws, given.seed)
+    if given.of == "run-downs":
+        off, wrong = _of_run_downs(given.draws, given.seed)
+    else:
+        off, wrong = _of_decays(given.draws, given.seed, carried if given.of == "phones" else recorded)
     for name, each in off.items():
         held = sum(z <= 2.0 for z in each)
         share = 100.0 * held / max(len(each), 1)
@@ -80,13 +104,13 @@ def main(arguments: list[str]) -> int:
     return 0
 
 
-def _of_decays(draws: int, seed: int) -> tuple[dict[str, list[float]], int]:
+def _of_decays(draws: int, seed: int, recorded: Drawn) -> tuple[dict[str, list[float]], int]:
     """By how many standard errors each number is off, and how many are not adequate."""
     off: dict[str, list[float]] = {name: [] for name in NUMBERS}
     named = 0
     for i in range(draws):
         recording, true = recorded(np.random.default_rng([seed, i]))
-        result = diagnose(recording, engines=(), restoring="spring", zero="free")
+        result = diagnose(recording, engines=(), restoring="spring", zero="free" if "x" in recording else None)
         named += result.verdict != "adequate"
         for name in NUMBERS:
             one = result.baseline.parameters[name]

@@ -1,6 +1,6 @@
 """What changed of a machine between two conditions: each recording read by itself, held against one another jointly."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
@@ -62,7 +62,8 @@ def _has_a_size(term: Term) -> bool:
 def compared(before: Sequence[Problem], after: Sequence[Problem], named: Sequence[Model]) -> Compared:
     """Which numbers of a machine changed; named : see ``laws_of``. Raises InputError, SimulationError."""
     laws = tuple({e.term.name: e for model in reversed(named) for e in model.terms}.values())
-    read = [_read(one, laws, named) for one in (*before, *after)]
+    sides = [[_read(one, laws, named) for one in side] for side in (before, after)]
+    read = [one for side in sides for one in _as_the_best(side, laws)]
     names = [name for name in read[0].at if all(name in one.at for one in read)]
     values = np.array([[one.found.values[one.at[name]] for name in names] for one in read])
     within = _known(np.array([one.covariance(names) for one in read]))
@@ -86,12 +87,26 @@ def compared(before: Sequence[Problem], after: Sequence[Problem], named: Sequenc
 
 @dataclass(frozen=True, slots=True)
 class _Read:
-    """A recording with its model. at : place of each number among those that are fitted, by name."""
+    """A recording with its model."""
 
     problem: Problem
     found: Fit
     scales: Scales
-    at: dict[str, int]
+
+    @property
+    def at(self) -> dict[str, int]:
+        """Place of each number among those that are fitted, by name."""
+        return {f.name: i for i, f in enumerate(self.found.free) if f.name in _UNITS or isinstance(f.by, tuple)}
+
+    def fits(self, physics: Sequence[Model], laws: Sequence[ModelTerm]) -> list[Fit]:
+        """With all laws, begun from each of these models; those that can be followed."""
+        found: list[Fit] = []
+        for one in physics:
+            model = _beside(self.found.model, one, laws)
+            free = tuple(f for f in free_of(model, base_of(self.found.free)) if _sized(f, laws))
+            with suppress(SimulationError):
+                found.append(fit(model, self.problem, free, self.scales))
+        return found
 
     def covariance(self, names: Sequence[str]) -> FloatArray:
         """Of these numbers (p, p), the one that lets less through; nan of what it does not tell."""
@@ -105,20 +120,21 @@ class _Read:
 def _read(problem: Problem, laws: Sequence[ModelTerm], named: Sequence[Model]) -> _Read:
     """A recording fitted with all laws, from its base fit without any and from each model that names one."""
     based = kind_of(problem).fit_base(problem)
-    found, problem = based.fit, based.problem
-    if laws:
-        names = base_of(found.free)
-        starts = [_beside(found.model, found.model, laws), *(_beside(found.model, one, laws) for one in named)]
-        fits: list[Fit] = []
-        for model in starts:
-            free = tuple(f for f in free_of(model, names) if _sized(f, laws))
-            with suppress(SimulationError):
-                fits.append(fit(model, problem, free, based.scales))
-        if not fits:
-            raise SimulationError("a recording cannot be followed with what is named")
-        found = min(fits, key=lambda one: one.chi2)
-    at = {f.name: i for i, f in enumerate(found.free) if f.name in _UNITS or isinstance(f.by, tuple)}
-    return _Read(problem, found, based.scales, at)
+    read = _Read(based.problem, based.fit, based.scales)
+    if not laws:
+        return read
+    fits = read.fits([based.fit.model, *named], laws)
+    if not fits:
+        raise SimulationError("a recording cannot be followed with what is named")
+    return replace(read, found=min(fits, key=lambda one: one.chi2))
+
+
+def _as_the_best(read: Sequence[_Read], laws: Sequence[ModelTerm]) -> Iterator[_Read]:
+    """Each recording of a condition, begun once more as the one of them that is followed best."""
+    best = min(read, key=lambda one: one.found.chi2 / one.found.points)
+    for one in read:
+        fits = one.fits([best.found.model], laws) if laws and one is not best else []
+        yield replace(one, found=min([one.found, *fits], key=lambda found: found.chi2))
 
 
 def _beside(own: Model, physics: Model, laws: Sequence[ModelTerm]) -> Model:

@@ -46,6 +46,7 @@ class Problem(ABC):
     """What is to be explained; arrays have shape (n,).
 
     t : s. channels : "x", "v", "a" as measured. noise : per channel. weight : 0 leaves a sample out of the fit, or 1.
+    level : by channel, each sample's noise over the channel's. jitter : of the time stamps, s, 0 where none shows.
     mass : kg, None when unknown (then m = 1 and forces are per unit mass, unless a measured force gives the mass).
     zero_free : x is measured from an unknown zero. zero_chosen : nobody said whether it is. angular : x or a was given
     as an angle. starts : from where it is simulated. drive : the measured force as the solver takes it, None where none
@@ -58,6 +59,8 @@ class Problem(ABC):
     channels: Mapping[str, FloatArray] = field(kw_only=False)
     noise: Mapping[str, Noise] = field(kw_only=False)
     weight: Mapping[str, FloatArray] = field(default_factory=dict)
+    level: Mapping[str, FloatArray] = field(default_factory=dict)
+    jitter: float = 0.0
     mass: float | None = None
     restoring: Restoring = Restoring.SPRING
     zero_free: bool = False
@@ -80,7 +83,8 @@ class Problem(ABC):
         object.__setattr__(self, "channels", MappingProxyType(dict(self.channels)))
         object.__setattr__(self, "noise", MappingProxyType(dict(self.noise)))
         object.__setattr__(self, "covariates", MappingProxyType(dict(self.covariates)))
-        object.__setattr__(self, "weight", MappingProxyType({c: self.weight.get(c, ones) for c in self.channels}))
+        for name, given in (("weight", self.weight), ("level", self.level)):
+            object.__setattr__(self, name, MappingProxyType({c: given.get(c, ones) for c in self.channels}))
 
     @property
     def points(self) -> int:
@@ -192,7 +196,9 @@ class Problem(ABC):
     @property
     def choices(self) -> tuple[str, ...]:
         """What was chosen before the search and belongs beside the verdict, one sentence each."""
-        return ()
+        if self.jitter <= 0.0:
+            return ()
+        return (f"The time stamps jitter by {1e3 * self.jitter:.2g} ms; samples count less where the signal is fast.",)
 
     @property
     def slow_is_sensors(self) -> bool:
@@ -241,8 +247,8 @@ class Problem(ABC):
         return False
 
     def even(self, channel: str, values: FloatArray) -> FloatArray:
-        """Residuals (n,) of a channel as if its noise were the same throughout."""
-        return values
+        """Residuals (n,) or partials (n, q) of a channel as if its noise were the same throughout."""
+        return np.asarray((values.T / self.level[channel]).T, dtype=np.float64)
 
     def opening(self, share: float) -> BoolArray:
         """The samples (n,) of the first part, this share of all."""
@@ -297,6 +303,7 @@ class Problem(ABC):
             noise={c: replace(n, phi=n.phi**stride) for c, n in self.noise.items()},
             channels={c: y[keep] for c, y in self.channels.items()},
             weight={c: w[keep] for c, w in self.weight.items()},
+            level={c: y[keep] for c, y in self.level.items()},
             covariates={name: values[keep] for name, values in self.covariates.items()},
         )
 
@@ -311,7 +318,9 @@ class Problem(ABC):
     def at_every_sample(self, t: FloatArray, channels: Mapping[str, FloatArray]) -> "Problem":
         """The same question at every sample t (m,), s, of the recording it was made from; channels (m,) of it."""
         given = {name: np.interp(t, self.t, values) for name, values in self.covariates.items()}
-        return replace(self, t=t, channels={c: channels[c] for c in self.channels}, weight={}, covariates=given)
+        level = {c: np.interp(t, self.t, y) for c, y in self.level.items()}
+        own = {c: channels[c] for c in self.channels}
+        return replace(self, t=t, channels=own, weight={}, level=level, covariates=given)
 
     def shown_beside(self, recording: Recording) -> Recording:
         """What of the recording it was made from models can be shown beside: all of it."""
@@ -323,7 +332,7 @@ P = TypeVar("P", bound=Problem)
 
 def apart(problem: Problem, values: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
     """Residuals (n,) or partials (n, q) whitened channel by channel; samples without weight are zero."""
-    white = {c: problem.noise[c].whitened(values[c]) for c in problem.channels}
+    white = {c: problem.noise[c].whitened(problem.even(c, values[c])) for c in problem.channels}
     return {c: w * (problem.weight[c] if w.ndim == 1 else problem.weight[c][:, None]) for c, w in white.items()}
 
 
@@ -332,13 +341,15 @@ def in_means(problem: P, shown: Mapping[str, FloatArray], size: int) -> P:
     first = np.arange(0, problem.t.size - size + 1, size)
     middle = first + size // 2
     used = int(first[-1]) + size
-    channels, weight = {}, {}
+    channels, weight, level = {}, {}, {}
     for c, y in problem.channels.items():
         counts = problem.weight[c][:used]
         total = np.add.reduceat(counts, first)
         left = np.add.reduceat((y - shown[c])[:used] * counts, first)
         channels[c] = shown[c][middle] + left / np.maximum(total, 1e-300)
         weight[c] = np.sqrt(total / size)
+        level[c] = np.sqrt(np.add.reduceat(problem.level[c][:used] ** 2, first) / size)
     noise = {c: n.of_means(size) for c, n in problem.noise.items()}
     given = {name: np.add.reduceat(values[:used], first) / size for name, values in problem.covariates.items()}
-    return replace(problem, t=problem.t[middle], channels=channels, weight=weight, noise=noise, covariates=given)
+    t = problem.t[middle]
+    return replace(problem, t=t, channels=channels, weight=weight, level=level, noise=noise, covariates=given)

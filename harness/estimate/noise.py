@@ -14,6 +14,9 @@ from harness.core.arrays import BoolArray, FloatArray
 FLOOR = 1e-5
 """A trace without noise is given this share of the channel's rms."""
 
+_DECISIVE = 10.0
+"""Twice the logarithm of a likelihood ratio (Kass and Raftery 1995)."""
+_FEWEST_WINDOWS = 4
 _PERIOD_SHARE = 0.12
 _LONGEST = 48
 
@@ -95,6 +98,67 @@ def _window_residuals(t: FloatArray, y: FloatArray, width: int, degree: int) -> 
         basis.append(one / np.sqrt(np.einsum("ij,ij->i", one, one))[:, None])
         left = without(left, basis[-1])
     return left
+
+
+_RATIOS = (0.0, *np.logspace(-1.0, 8.0, 46).tolist())
+"""Noise where the signal changes fastest over that where it stands still, as variances, less one."""
+_ROUNDED = 2.0
+"""Times its own variance, up to which the noise of a quantised channel is its rounding, less of it where it is slow."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stamps:
+    """Time stamps that jitter: what changes fast is known less well.
+
+    level : (n,), noise of each sample of a channel over its typical one. jitter : standard deviation of the stamps, s,
+    0 where none shows.
+    """
+
+    level: FloatArray
+    jitter: float
+
+    @classmethod
+    def of(
+        cls,
+        t: FloatArray,
+        y: FloatArray,
+        slope: FloatArray,
+        noise: Noise,
+        width: int,
+        degree: int,
+        left_out: BoolArray | None = None,
+    ) -> "Stamps":
+        """Of a channel y (n,) at t (n,), s, or what a model leaves of it, with the channel's slope (n,).
+
+        A polynomial of ``degree`` in windows of ``width`` samples leaves noise of variance s^2 + (jitter slope)^2; the
+        jitter by likelihood, 0 unless that is decisive. left_out (n,) : samples whose windows do not count.
+        """  # fmt: skip
+        none = cls(np.ones(t.size), 0.0)
+        if not noise.found or noise.sigma**2 < _ROUNDED * noise.step**2 / 12.0 or t.size < _FEWEST_WINDOWS * width:
+            return none
+        whole = t.size // width * width
+        power = np.sum(_window_residuals(t, y, width, degree) ** 2, axis=1)
+        square = np.mean(slope[:whole].reshape(-1, width) ** 2, axis=1)
+        usable = power > 0.0
+        if left_out is not None:
+            usable &= ~np.any(left_out[:whole].reshape(-1, width), axis=1)
+        freedom, fastest = width - degree - 1, float(np.max(square))
+        if fastest <= 0.0 or not np.any(usable):
+            return none
+
+        def variance(ratio: float) -> float:
+            return float(np.mean(power[usable] / (1.0 + ratio * square[usable] / fastest))) / freedom
+
+        def likelihood(ratio: float) -> float:
+            spread = np.log(1.0 + ratio * square[usable] / fastest)
+            return -freedom * float(np.sum(spread) + spread.size * math.log(variance(ratio)))
+
+        best = max(_RATIOS, key=likelihood)
+        if likelihood(best) - likelihood(0.0) <= _DECISIVE:
+            return none
+        late = variance(best) * best * slope**2 / fastest
+        rest = max(noise.sigma**2 - float(np.mean(late)), variance(best))
+        return cls(np.sqrt((rest + late) / float(np.mean(rest + late))), math.sqrt(variance(best) * best / fastest))
 
 
 def quantisation_step(y: FloatArray) -> float:

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import harness
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.base_fit import baseline
@@ -17,6 +18,7 @@ from harness.diagnosis.pipeline import diagnose, prepare
 from harness.diagnosis.problems import force_noise
 from harness.diagnosis.request import Asked
 from harness.estimate.noise import channel_noise
+from harness.exact.decay import Decay, free_decay
 from harness.kernels.solve import Drive, solve
 from harness.model.model import Model, ModelTerm, Restoring
 from harness.results.common import P
@@ -141,3 +143,19 @@ def test_the_share_is_where_both_ways_are_as_sure() -> None:
     assert off_alone == pytest.approx(6.1, rel=0.1)
     assert off_left == pytest.approx(1.7, rel=0.1)
     assert pytest.approx(off_left / off_alone, abs=0.05) == force_noise._MOSTLY
+
+
+@pytest.mark.parametrize("jitter", [0.0, 2e-4, 1e-3])
+def test_stamps_that_jitter_are_part_of_the_noise(jitter: float) -> None:
+    """An acceleration jumps where dry friction turns round, and a late sample is then taken on the other side."""
+    random, t = np.random.default_rng(8), np.arange(0.0, 8.0, 0.01)
+    late = np.maximum(t + jitter * random.standard_normal(t.size), 0.0)
+    a = free_decay(Decay(15.0, 0.01, 0.8e-3, 0.1), late).a + 0.02 * random.standard_normal(t.size)
+    found = harness.diagnose(Recording(t, {"a": a}, "phone.csv"), engines=())
+    assert found.verdict == "adequate"
+    assert ("stamps jitter" in found.statement) == (jitter > 0.0)
+    for name, true in (("omega_n", 15.0), ("zeta", 0.01), ("x_k", 0.8e-3)):
+        one = found.baseline.parameters[name]
+        assert one.value is not None
+        assert one.stderr is not None
+        assert abs(one.value - true) < 3.0 * one.stderr

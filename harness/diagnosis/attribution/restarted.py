@@ -94,6 +94,7 @@ def restarted(refined: Model, problem: Problem, scales: Scales) -> Restarted:
         t=t[kept],
         channels={c: y[kept] for c, y in problem.channels.items()},
         weight={c: w[kept] for c, w in problem.weight.items()},
+        level={c: y[kept] for c, y in problem.level.items()},
         starts=Windows(tuple(windows), t, shown.v),
     )
     right = observe(refined, part, scales=scales).y

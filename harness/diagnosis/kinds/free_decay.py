@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from harness.core.errors import InputError, SimulationError
 from harness.diagnosis.baseline.base_fit import baseline
+from harness.diagnosis.baseline.stamps import stamped
 from harness.diagnosis.baseline.swing_seen import refuse_no_swing
 from harness.diagnosis.covariates.following import allowing, enter
 from harness.diagnosis.fit.model_fit import fit
@@ -139,6 +140,10 @@ def based(problem: P) -> Based[P]:
     """
     short, base, scales = shortened(problem)
     refuse_no_swing(base, short)
+    late = stamped(problem, base.model, scales)
+    if late is not problem:
+        problem = late
+        short, base, scales = shortened(problem)
     short = replace(short, noise=noise_of(base, short, scales.omega))
     return Based(problem, short, settle(under(base, short), short, scales), scales)
 
@@ -168,6 +173,6 @@ class DecaysTogether(Kind[Together]):
         found = replace(found, problem=replace(problem, said=said))
         if based.problem.t.size < based.whole.t.size:
             levels = [one.problem.noise for one in shared.compared.alone]
-            whole = replace(based.whole.with_own(shared.own).under_levels(levels), said=found.problem.choices)
+            whole = replace(based.whole.with_own(shared.own).under_levels(levels), said=problem.said)
             return Found(lifted(found, whole, scales), scales, found, pooled=shared)
         return Found(found, scales, found, pooled=shared)

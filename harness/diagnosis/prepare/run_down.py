@@ -11,11 +11,11 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import MINIMUM_SAMPLES, Recording
-from harness.diagnosis.problems.run_down import EVEN, WINDOWS, Course, RunDown
+from harness.diagnosis.problems.run_down import WINDOWS, Course, RunDown
 from harness.diagnosis.request import Asked
-from harness.diagnosis.rules import DECISIVE
+from harness.diagnosis.smoothed_state.local_cubics import longest_interval, smoothed
 from harness.diagnosis.starts import AtSpeed, OneStart
-from harness.estimate.noise import channel_noise
+from harness.estimate.noise import Stamps, channel_noise
 from harness.estimate.saturation import believed
 from harness.model.model import Restoring
 
@@ -35,8 +35,6 @@ _FINE = 256
 """Windows in which the beginning and the stop are looked for."""
 _WIDTHS, _CUBIC = (12, 40), 3
 """Samples of a window whose noise is looked at, and what is taken off it."""
-_RATIOS = (0.0, *np.logspace(-1.0, 8.0, 46).tolist())
-"""Of the noise of stamps to that of the sensor, squared, at the fastest."""
 ONE_WAY = (
     "a run-down in one direction: f_k holds whatever pushes steadily against it besides, a grade, a tilt or an offset"
     " (a second one in the other direction would part them)"
@@ -69,49 +67,21 @@ def run_down_problem(recording: Recording, asked: Asked) -> tuple[RunDown, tuple
         notes.append(f"the last {t[-1] - t[end - 1]:.4g} s, a long rest, are left out")
     cut, beyond = believed(recording.cut(slice(begin, end)), ("x", "v"))
     channels = {c: cut[c] for c in ("x", "v") if c in cut}
+    noise = {c: channel_noise(cut.t, y) for c, y in channels.items()}
+    width = int(np.clip(cut.t.size // _FINE, *_WIDTHS))
+    longest = longest_interval(cut.t)
+    slope = {c: smoothed(cut.t, y, longest, noise[c].sigma).slope for c, y in channels.items()}
     problem = RunDown(
         cut.t,
         channels,
-        {c: channel_noise(cut.t, y) for c, y in channels.items()},
+        noise,
         mass=asked.mass,
         angular=cut.angular,
         starts=OneStart() if "x" in channels else AtSpeed(),
-        level=_level(cut.t, channels["x"]) if "x" in channels else EVEN,
+        level={c: Stamps.of(cut.t, y, slope[c], noise[c], width, _CUBIC).level for c, y in channels.items()},
         sure=asked.restoring is Restoring.NONE,
     )
     return problem, (*beyond, *notes, ONE_WAY, *(() if asked.mass else (RATIOS,)))
-
-
-def _level(t: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Noise of x (n,) at t (n,), s, over its typical one, at times (k,): its own, and that of stamps times the speed.
-
-    Each window's cubic leaves noise of variance s^2 (1 + r (v/v_max)^2); r by likelihood, 0 unless it is decisive.
-    """
-    width = int(np.clip(t.size // _FINE, *_WIDTHS))
-    count = t.size // width
-    rows = np.arange(count * width).reshape(count, width)
-    times, places = t[rows], x[rows]
-    # stamps apart as they are: a cubic in time, not in the number of the sample
-    power = np.array([_left(s, y) for s, y in zip(times, places, strict=True)])
-    speed = np.abs((places[:, -1] - places[:, 0]) / (times[:, -1] - times[:, 0]))
-    share, freedom = (speed / np.max(speed)) ** 2, width - _CUBIC - 1
-    usable = power > 0.0
-
-    def likelihood(ratio: float) -> float:
-        level = 1.0 + ratio * share[usable]
-        seen = power[usable] / level
-        return -freedom * float(np.sum(np.log(level)) + level.size * np.log(np.mean(seen)))
-
-    best = max(_RATIOS, key=likelihood)
-    grows = likelihood(best) - likelihood(0.0) > DECISIVE.value
-    level = np.sqrt(1.0 + best * share) if grows else np.ones(count)
-    return times.mean(axis=1), level / float(np.sqrt(np.mean(level**2)))
-
-
-def _left(t: FloatArray, y: FloatArray) -> float:
-    """Sum of squares that a cubic leaves of y (n,)."""
-    line = np.vander((t - t.mean()) / np.ptp(t), _CUBIC + 1)
-    return float(np.sum((y - line @ np.linalg.lstsq(line, y, rcond=None)[0]) ** 2))
 
 
 @dataclass(frozen=True, slots=True)

@@ -98,8 +98,8 @@ class FreeDecay(Problem):
 
     @property
     def choices(self) -> tuple[str, ...]:
-        """How covariates enter."""
-        return self.enters
+        """How covariates enter, and what stamps are worth."""
+        return (*self.enters, *super(FreeDecay, self).choices)
 
     def at_every_sample(self, t: FloatArray, channels: Mapping[str, FloatArray]) -> Problem:
         """See Problem; t (m,) by the recording's own clock."""

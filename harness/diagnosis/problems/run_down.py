@@ -12,7 +12,7 @@ from typing import ClassVar, Self
 import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray
-from harness.diagnosis.problem import Observation, Problem, apart
+from harness.diagnosis.problem import Observation, Problem
 from harness.diagnosis.problems.simulated import observe
 from harness.fit.along_travel import standing_out
 from harness.kernels.solve import By, Effort, Scales
@@ -32,9 +32,6 @@ _PATIENT = 50
 """Times the steps of a swing."""
 _LINE = 3
 """Samples that a slope needs."""
-
-EVEN = (np.zeros(1), np.ones(1))
-"""A level of noise that is the same throughout."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,13 +62,10 @@ class Course:
 class RunDown(Problem):
     """See Problem; of x or v, or both.
 
-    sure : whether somebody says that nothing pulls it back. level : noise of x over its typical one, (k,), at times
-    (k,), s: stamps that jitter, and those of marks that pass, tell a fast motion less well.
+    sure : whether somebody says that nothing pulls it back.
     """
 
     sure: bool = False
-    level: tuple[FloatArray, FloatArray] = EVEN
-
     restoring: Restoring = Restoring.NONE
     returns: ClassVar[bool] = False
 
@@ -106,14 +100,6 @@ class RunDown(Problem):
     def periods(self, x: FloatArray, residual: FloatArray) -> tuple[float, ...]:
         """At which what is left of the first channel stands out over the places x (n,)."""
         return tuple(standing_out(x, residual[: x.size], _FEWEST_CYCLES, 0.5 * x.size)[:_PEAKS])
-
-    def even(self, channel: str, values: FloatArray) -> FloatArray:
-        """Over the level of each sample's noise."""
-        return values / np.interp(self.t, *self.level) if channel == "x" else values
-
-    def whitened(self, values: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-        """See Problem."""
-        return apart(self, {c: self.even(c, values[c].T).T for c in self.channels})
 
     def of_hand_free(self, fewest: int) -> tuple[Self, float]:
         """Itself: the hand's part is cut off where it was prepared."""

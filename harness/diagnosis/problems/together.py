@@ -26,12 +26,10 @@ from harness.model.model import Model
 class Together(Problem):
     """See Problem.
 
-    level : by channel, each sample's noise over the channel's, (n,). said : what was found of the recordings before the
-    search, one sentence each.
+    said : what was found of the recordings before the search, one sentence each.
     """
 
     starts: Several = field()
-    level: Mapping[str, FloatArray]
     said: tuple[str, ...] = ()
 
     @classmethod
@@ -56,7 +54,10 @@ class Together(Problem):
             starts = one.starts if isinstance(one.starts, OneStart) else OneStart()
             stretches.append(Stretch(begin, end, clock, float(one.t[0]), starts))
         noise = {c: typical([one.noise[c] for one in alone], sizes) for c in first.channels}
-        level = {c: np.repeat([one.noise[c].sigma / n.sigma for one in alone], sizes) for c, n in noise.items()}
+        level = {
+            c: np.concatenate([one.level[c] * (one.noise[c].sigma / n.sigma) for one in alone])
+            for c, n in noise.items()
+        }
         return cls(
             np.concatenate([one.t + clock for one, clock in zip(alone, clocks, strict=True)]),
             {c: np.concatenate([one.channels[c] for one in alone]) for c in first.channels},
@@ -69,6 +70,7 @@ class Together(Problem):
             angular=first.angular,
             starts=Several(tuple(stretches), own),
             level=level,
+            jitter=max(one.jitter for one in alone),
             said=said,
         )
 
@@ -88,11 +90,14 @@ class Together(Problem):
 
     def _one(self, s: Stretch) -> FreeDecay:
         at = slice(s.start, s.stop)
+        over = {c: float(np.sqrt(np.mean(y[at] ** 2))) for c, y in self.level.items()}
         return FreeDecay(
             self.t[at] - s.clock,
             {c: y[at] for c, y in self.channels.items()},
-            {c: replace(n, sigma=n.sigma * float(self.level[c][s.start])) for c, n in self.noise.items()},
+            {c: replace(n, sigma=n.sigma * over[c]) for c, n in self.noise.items()},
             weight={c: w[at] for c, w in self.weight.items()},
+            level={c: y[at] / over[c] for c, y in self.level.items()},
+            jitter=self.jitter,
             mass=self.mass,
             restoring=self.restoring,
             zero_free=self.zero_free,
@@ -109,7 +114,11 @@ class Together(Problem):
         """The same with the noise of the recordings in this proportion to each other."""
         sizes = [s.stop - s.start for s in self.starts.stretches]
         noise = {c: typical([one[c] for one in each], sizes) for c in self.channels}
-        level = {c: np.repeat([one[c].sigma / n.sigma for one in each], sizes) for c, n in noise.items()}
+        alone = [one.level for one in self.alone]
+        level = {
+            c: np.concatenate([own[c] * (one[c].sigma / n.sigma) for own, one in zip(alone, each, strict=True)])
+            for c, n in noise.items()
+        }
         return replace(self, level=level)
 
     @property
@@ -128,8 +137,8 @@ class Together(Problem):
 
     @property
     def choices(self) -> tuple[str, ...]:
-        """Whether they are pooled."""
-        return self.said
+        """Whether they are pooled, and what stamps are worth."""
+        return (*self.said, *super(Together, self).choices)
 
     @property
     def duration(self) -> float:
@@ -143,16 +152,12 @@ class Together(Problem):
         swings = [float(np.ptp(self.channels[name][at])) for at in self.places]
         return max(swings) >= AMPLITUDES_APART.value * min(swings)
 
-    def even(self, channel: str, values: FloatArray) -> FloatArray:
-        """Over the level of each sample's noise."""
-        return values / self.level[channel]
-
     def whitened(self, values: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         """Each recording by itself: no sample knows of the one before it in another."""
         found = {}
         for c, noise in self.noise.items():
             wide = (slice(None),) + (None,) * (values[c].ndim - 1)
-            even = values[c] / self.level[c][wide]
+            even = self.even(c, values[c])
             parts = [noise.whitened(even[at]) for at in self.places]
             found[c] = np.concatenate(parts) * self.weight[c][wide]
         return found
@@ -188,21 +193,14 @@ class Together(Problem):
         small = self._each(lambda one, i: one.condensed({c: shown[c][at[i]] for c in one.channels}, size)[0])
         return small, 1.0
 
-    def part(self, keep: slice) -> Self:
-        """See Problem; recordings keep their clocks."""
-        return replace(Problem.part(self, keep), level={c: y[keep] for c, y in self.level.items()})
-
-    def at_every_sample(self, t: FloatArray, channels: Mapping[str, FloatArray]) -> "Together":
+    def at_every_sample(self, t: FloatArray, channels: Mapping[str, FloatArray]) -> Problem:
         """The same question at every sample t (m,), s, of the common axis, on which recordings keep their places."""
         gap, old = 0.5 * float(np.median(np.diff(t))), self.starts.stretches
         begins = np.searchsorted(t, [s.clock - gap for s in old]).tolist()
         ends = [*begins[1:], t.size]
         moved = zip(old, begins, ends, strict=True)
         starts = replace(self.starts, stretches=tuple(replace(s, start=low, stop=high) for s, low, high in moved))
-        sizes = np.subtract(ends, begins)
-        level = {c: np.repeat([y[s.start] for s in old], sizes) for c, y in self.level.items()}
-        own = {c: channels[c] for c in self.channels}
-        return replace(self, t=t, channels=own, weight={}, level=level, starts=starts)
+        return replace(super(Together, self).at_every_sample(t, channels), starts=starts)
 
     def _each(self, change: Callable[[FreeDecay, int], FreeDecay]) -> "Together":
         return self._anew([change(one, i) for i, one in enumerate(self.alone)])

@@ -1,0 +1,50 @@
+"""Time stamps that jitter, as what a base model leaves shows them: most where its motion is fast."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.diagnosis.problem import P
+from harness.diagnosis.problems.simulated import FINE
+from harness.estimate.noise import Stamps, channel_noise
+from harness.kernels.solve import Scales
+from harness.model.model import Model
+
+_WINDOW, _QUINTIC = 8, 5
+"""Samples of a window whose noise tells of stamps, and what is taken off it: a law that acts for longer stays out."""
+_BESIDE = 4.0
+"""Standard deviations of a stamp within which a sample may lie on the other side of a jump."""
+
+
+def stamped(problem: P, base: Model, scales: Scales) -> P:
+    """A problem whose samples count as their stamps let them; itself where none jitter. base : fitted to it.
+
+    An acceleration jumps where dry friction turns round: a sample beside that is left out. Raises SimulationError.
+    """
+    shown = problem.shows(base, (), scales, FINE)
+    t, beside = problem.t, _to_reversal(problem.t, shown.v)
+    turns = beside <= float(np.median(np.diff(t)))
+    found = {}
+    for c, y in problem.channels.items():
+        left = y - shown.y[c]
+        noise = channel_noise(t, left, 2.0 * np.pi / scales.omega)
+        found[c] = Stamps.of(t, left, np.gradient(shown.y[c], t), noise, _WINDOW, _QUINTIC, turns)
+    worst = max(one.jitter for one in found.values())
+    if worst <= 0.0:
+        return problem
+    level = {c: problem.level[c] * one.level for c, one in found.items()}
+    counts = {c: (beside > _BESIDE * worst) | (c != "a") for c in problem.channels}
+    return replace(problem, level=level, jitter=worst).weighted(counts)
+
+
+def _to_reversal(t: FloatArray, v: FloatArray) -> FloatArray:
+    """Time (n,), s, from each sample to the nearest at which the speed v (n,) changes its sign."""
+    at = np.flatnonzero(np.sign(v[1:]) != np.sign(v[:-1]))
+    if not at.size:
+        return np.full(t.size, np.inf)
+    share = v[at] / (v[at] - v[at + 1])
+    times = t[at] + share * (t[at + 1] - t[at])
+    after = np.clip(np.searchsorted(times, t), 1, max(times.size - 1, 1))
+    ends = np.stack((times[np.minimum(after - 1, times.size - 1)], times[np.minimum(after, times.size - 1)]))
+    return np.asarray(np.min(np.abs(t - ends), axis=0), dtype=np.float64)
