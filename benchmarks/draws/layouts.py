@@ -41,7 +41,7 @@ def _as_told(path: Path, rate: float) -> tuple[Recording | None, str]:
     try:
         return read_recording(path), "read"
     except InputError as error:
-        line = re.search(r"try: (.*)$", str(error))
+        line = re.search(r"try: (.*?)(?:, which reads .*)?$", str(error))
         if not line:
             return None, str(error)
         try:

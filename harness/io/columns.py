@@ -12,8 +12,8 @@ ANGLES = frozenset({"angle", "theta", "phi"})
 _NAMES: dict[str, str] = {
     "t": "t time times stamp timestamp sec secs seconds elapsed",
     "x": "x q qpos pos position displacement disp angle theta phi",
-    "v": "v dq qd qvel vel velocity speed omega theta_dot thetadot dtheta gx gy gz wx wy wz",
-    "a": "a ddq qdd qacc acc accel acceleration alpha theta_ddot ax ay az gfx gfy gfz",
+    "v": "v dq qd qvel vel velocity speed omega theta_dot thetadot dtheta gx gy gz wx wy wz gyr gyro gyroscope rpm",
+    "a": "a ddq qdd qacc acc accel acceleration accelerometer alpha theta_ddot ax ay az gfx gfy gfz",
     "u": "u f tau force torque effort",
 }
 _CHANNEL = {name: channel for channel, names in _NAMES.items() for name in names.split()}
@@ -24,6 +24,8 @@ COMMANDED = frozenset(
 """Words of a name by which it is not what was measured."""
 _CLOCKS = {"nanosec": "ns", "nsecs": "ns", "millis": "ms", "micros": "us", "msec": "ms", "usec": "us", "nsec": "ns"}
 """Names of a time that say its unit."""
+_OWN = {"rpm": "rpm"}
+"""Names that are a unit."""
 ENDINGS: dict[str, dict[str, str]] = {
     "t": {
         "s": "s",
@@ -66,7 +68,7 @@ _WORDS: dict[str, str] = {
     "lage abstand strecke posición desplazamiento distancia ángulo angulo altura déplacement allongement posizione "
     "spostamento angolo posição posicao deslocamento positie verplaatsing hoek vinkel läge avstånd położenie kąt "
     "przemieszczenie poloha výchylka úhel sijainti kulma konum açı положение угол смещение 位置 位移 角度 変位 위치 "
-    "변위 각도",
+    "변위 각도 abscisse",
     "v": "velocity speed gyroscope gyro omega geschwindigkeit drehrate vitesse velocidad velocità velocita "
     "velocidade snelheid hastighet prędkość rychlost nopeus hız скорость 速度 속도",
     "a": "acceleration accelerometer accel beschleunigung accélération aceleración aceleracion accelerazione "
@@ -78,6 +80,8 @@ _WORD = {word: channel for channel, words in _WORDS.items() for word in words.sp
 _SHORT = 4
 """Letters of a word that must stand alone."""
 _MARK = re.compile(r"^(?P<mark>[^:]{1,60}):\s*(?P<name>\S.*)$")
+_AXIS = re.compile(r"^(?P<front>[a-z]{3,40}?)_?[xyz](?:_(?P<ending>[a-z0-9_]{1,12}))?$")
+"""A name with the letter of an axis: acc_x, gyroZ, acc_x_g."""
 _DIGITS = re.compile(r"(?<!_s)\d+")
 _RUN = re.compile(
     r"\(?\b(?:run|trial|series|serie|set|lauf|versuch|messung|essai|prova|ensayo)[\s_]{0,9}#?\s{0,9}(\d+)\)?\s*$",
@@ -113,10 +117,13 @@ def meaning(name: str) -> Meaning | None:
         last = before[-1]  # an axis: pose.position.x
     stem = re.sub(r"[\s-]+", "_", _INDEX.sub("", last.strip().lower()).strip()).strip("_")
     stem = _INDEX.sub("", stem)
+    of_axis = _AXIS.match(stem)
+    if of_axis is not None and of_axis["front"] in _CHANNEL:
+        stem = "_".join(filter(None, (of_axis["front"], of_axis["ending"])))
     if stem in _CLOCKS:
         return Meaning("t", _CLOCKS[stem])
     if stem in _CHANNEL:
-        return Meaning(_CHANNEL[stem], None, stem in ANGLES)
+        return Meaning(_CHANNEL[stem], _OWN.get(stem), stem in ANGLES)
     for cut in (i for i, letter in enumerate(stem) if letter == "_"):
         front, ending = _INDEX.sub("", stem[:cut]), stem[cut + 1 :]
         channel = _CHANNEL.get(front)

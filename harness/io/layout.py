@@ -54,6 +54,13 @@ def separator_of(lines: Sequence[str]) -> tuple[str, str]:
     return ";" if single else "", "."
 
 
+def rate_of(text: str) -> float | None:
+    """A rate or a step that a header tells, with its unit or without; None for what is no number above 0."""
+    found = re.match(r"\s*(\d{0,12}[.,]?\d{1,12}(?:[eE][+-]?\d{1,3})?)", text)
+    value = float(found[1].replace(",", ".")) if found else 0.0
+    return value if value > 0.0 else None
+
+
 def is_row(cells: Sequence[str]) -> bool:
     """Whether these are numbers, or empty, and not all of them empty."""
     return any(cell.strip() for cell in cells) and all(not c.strip() or NUMBER.match(c.strip()) for c in cells)

@@ -44,7 +44,7 @@ _SCALED, _NUMBERS, _NAME, _UNIT = range(-1, 3)
 """By what a column's channel is told, the strongest last; a voltage or a count needs its scale first."""
 _COUNTS = {"row", "index", "idx", "sample", "frame", "count", "id", "nr", "no", "cycle", "step", "line"}
 """Words of a column that counts rows."""
-_NO_SIGN = re.compile(r"^abs|absolute|magnitude|norm|\bsigma|\bstd|uncertainty", re.IGNORECASE)
+_NO_SIGN = re.compile(r"^abs(?![^\W_])|absolute|magnitude|norm|\bsigma|\bstd|uncertainty", re.IGNORECASE)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,7 +102,7 @@ def runs_of(table: Table, timed: bool = True) -> list[list[Reading]]:
 
     timed : whether a column must give the time; there is no run where none can.
     """
-    columns = _with_gravity(list(_columns(table)))
+    columns = _with_gravity(_without_norms(list(_columns(table))))
     unknown = [one for one in columns if not one.channel and not one.rises]
     if len(unknown) == 1 and (of_file := word_of(table.path.stem)):  # a signal in a file of its name
         columns = [replace(one, channel=of_file, told=_NAME) if one is unknown[0] else one for one in columns]
@@ -151,18 +151,16 @@ def _leading(moving: Sequence[Column]) -> Iterator[tuple[Column, bool]]:
     """
     none = True
     for channel in ("x", "v", "a", ""):
-        those = sorted((one for one in moving if one.channel == channel), key=lambda one: -one.told)
-        first = [one for one in those if one.told == those[0].told]
-        most = max(first, key=lambda one: one.spread, default=None)
-        others = [one for one in first if one is not most]
+        those = sorted((one for one in moving if one.channel == channel), key=lambda one: (-one.told, -one.spread))
+        most = those[0] if those else None
+        if not channel or len({one.unit for one in those}) > 1:  # nothing says that they are of one kind
+            those.sort(key=lambda one: (-one.told, one.position))
+        others = [one for one in those if one is not most and most and one.told == most.told]
         alike = [
             one
             for one in others
             if most and (most.spread <= _MARGIN * one.spread or one.unit != most.unit or not channel)
         ]
-        if not alike and most is not None:
-            those.remove(most)
-            those.insert(0, most)
         for one in those:
             yield one, none and not alike and one is most and one.told > _SCALED
         none = none and not those
@@ -258,6 +256,24 @@ def _columns(table: Table) -> Iterator[Column]:
             yield Column(i, table.quoted(i), name, channel, by, unit, given, mark, rises, values)
 
 
+_SAME = 1e-3
+"""Of its largest value, by which a norm as it is written may differ from that of its components."""
+
+
+def _without_norms(columns: Sequence[Column]) -> list[Column]:
+    """The columns without those that are the norm of all others of their channel, as of three axes."""
+    left_out = []
+    for channel in ("x", "v", "a"):
+        those = [one for one in columns if one.channel == channel][: _NORMED + 1]
+        for one in those if 2 < len(those) <= _NORMED and len({other.values.size for other in those}) == 1 else ():
+            norm = np.sqrt(np.sum([other.values**2 for other in those if other is not one], axis=0))
+            if float(np.nanmax(np.abs(norm - one.values))) <= _SAME * float(np.nanmax(norm)):
+                left_out.append(one)
+    return [one for one in columns if one not in left_out]
+
+
+_NORMED = 4
+"""Columns among which a norm is looked for: three axes and it."""
 _WEIGHTS = {"g": 1.0, "mg": 1e3, "m/s^2": 9.80665, "mm/s^2": 9806.65}
 """What an accelerometer at rest shows in each unit."""
 _WEIGHT = 0.05

@@ -18,6 +18,9 @@ _STAMP = re.compile(
 )
 
 
+_LASTED = re.compile(r"(?P<value>[+-]?\d{1,12}(?:\.\d{1,12})?) ?(?P<unit>sec|s|ms|min|hr)")
+"""A duration with its unit in the cell."""
+_LENGTHS = {"sec": 1.0, "s": 1.0, "ms": 1e-3, "min": 60.0, "hr": 3600.0}
 _NOON = 12
 
 
@@ -43,7 +46,7 @@ class Clock:
         """
         found = _STAMP.fullmatch(text.strip())
         if found is None:
-            return None
+            return self._lasted(text.strip())
         try:
             day = _day(found["day"]) if found["day"] else 0
         except ValueError:
@@ -58,6 +61,15 @@ class Clock:
         if not self.first:
             self.first, self._day, self._seconds = text.strip(), day, seconds
         return (day - self._day) * _DAY + (seconds - self._seconds)
+
+    def _lasted(self, text: str) -> float | None:
+        found = _LASTED.fullmatch(text)
+        if found is None:
+            return None
+        seconds = float(found["value"]) * _LENGTHS[found["unit"]]
+        if not self.first:
+            self.first, self._seconds = text, seconds
+        return seconds - self._seconds
 
 
 def counted_from(table: Table, mappings: dict[str, Mapping]) -> str | None:

@@ -49,6 +49,17 @@ _SCALED = {
     "u": '"u=#3*0.05[Nm]"',
 }
 """A column by its number and what one of its units is worth: volts, counts, amperes."""
+_WORDS = {
+    "s": "second seconds sec secs sekunde sekunden seconde secondes segundo segundos secondo secondi",
+    "ms": "millisecond milliseconds msec millisekunden millisecondes milisegundos",
+    "m": "meter meters metre metres mètre mètres metro metros metri",
+    "mm": "millimeter millimeters millimetre millimetres millimètres milímetros",
+    "cm": "centimeter centimeters centimetre centimetres zentimeter centímetros",
+    "rad": "radian radians radiant",
+    "deg": "degree degrees degs degré degrés grados gradi graus",
+}
+_WRITTEN = {word: unit for unit, words in _WORDS.items() for word in words.split()}
+"""Units that are written out."""
 _KINDS = {"kilogram * meter ** 2 / ampere / second ** 3": "a voltage", "ampere": "a current"}
 _BASE = {
     "t": ("second",),
@@ -142,6 +153,7 @@ def parse_unit(where: str, channel: str, text: str | None) -> Unit:
     if not text.strip() or not _PLAIN.match(text) or _LARGE_EXPONENT.search(text):
         raise InputError(where, f"'{text}' is not a unit", accepted)
     registry = _registry()
+    text = "deg" if text == "Grad" else _WRITTEN.get(text.strip().lower(), text)
     try:
         base = registry.Quantity(1.0, registry.parse_units(_torque(text) if channel == "u" else text)).to_base_units()
     except Exception:  # pint raises from its tokenizer up; whatever it is, this text is not a unit

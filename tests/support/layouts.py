@@ -482,6 +482,84 @@ def runs_below(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path,
 
 
 Writer = Callable[[Path, Motion, np.random.Generator], tuple[Path, Wanted]]
+
+
+def physics_toolbox(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    axes = _axes(m.a, rng)
+    head = "time,ax (m/s^2),ay (m/s^2),az (m/s^2),aT (m/s^2)"
+    return lines(folder / "linear.csv", head, *rows(",", m.t, *axes)), {"t": m.t, "a": axes[1]}
+
+
+def motive(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    head = [
+        "Format Version,1.23,Take Name,Take 1,Capture Frame Rate,100.0,Rotation Type,Quaternion,Length Units,Meters",
+        "", ",Type,Rigid Body,Rigid Body,Rigid Body", ",Name,Cart,Cart,Cart", ",ID,1,1,1",
+        ",,Position,Position,Position", "Frame,Time (Seconds),X,Y,Z",
+    ]  # fmt: skip
+    still = [0.5 + 1e-5 * rng.standard_normal(m.t.size) for _ in "yz"]
+    body = [f"{i},{row}" for i, row in enumerate(rows(",", m.t, m.x, *still))]
+    return lines(folder / "take.csv", *head, *body), {"t": m.t, "x": m.x}
+
+
+def qualisys(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    head = [
+        f"NO_OF_FRAMES\t{m.t.size}", "NO_OF_CAMERAS\t8", "NO_OF_MARKERS\t1", f"FREQUENCY\t{1.0 / m.t[1]:g}",
+        "NO_OF_ANALOG\t0", "DESCRIPTION\t--", "DATA_INCLUDED\t3D", "MARKER_NAMES\tcart",
+    ]  # fmt: skip
+    still = [500.0 + 0.01 * rng.standard_normal(m.t.size) for _ in "yz"]
+    return lines(folder / "trial.tsv", *head, *rows("\t", 1e3 * m.x, *still)), {"t": m.t, "x": m.x}
+
+
+def vicon(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    head = ["Trajectories", f"{1.0 / m.t[1]:g}", ",,Rig:cart,,", "Frame,Sub Frame,X,Y,Z", ",,mm,mm,mm"]
+    still = [500.0 + 0.01 * rng.standard_normal(m.t.size) for _ in "yz"]
+    body = [f"{i},0,{row}" for i, row in enumerate(rows(",", 1e3 * m.x, *still), 1)]
+    return lines(folder / "trial.csv", *head, *body), {"t": m.t, "x": m.x}
+
+
+def xsens(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    head = [
+        "// Start Time: Unknown", f"// Update Rate: {1.0 / m.t[1]:.1f}Hz",
+        "PacketCounter\tSampleTimeFine\tAcc_X\tAcc_Y\tAcc_Z\tGyr_X\tGyr_Y\tGyr_Z",
+    ]  # fmt: skip
+    gyro, still = _axes(m.v, rng), [0.01 * rng.standard_normal(m.t.size) for _ in "xyz"]
+    still[2] += 9.81
+    body = rows("\t", *still, *gyro[:3])
+    counted = [f"{i % 65536}\t{int(1e4 * t)}\t{row}" for i, (t, row) in enumerate(zip(m.t, body, strict=True))]
+    return lines(folder / "MT_0.txt", *head, *counted), {"t": m.t, "v": gyro[1]}
+
+
+def timetable(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    body = [f"{t:g} sec,{x:.6f}" for t, x in zip(m.t, m.x, strict=True)]
+    return lines(folder / "timetable.csv", "Time,position", *body), {"t": m.t, "x": m.x}
+
+
+def tektronix(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    beside = ["Record Length,2500,Points", "Sample Interval,.004,s", "Vertical Units,mm,", "Firmware,v22.01,"]
+    body = [f"{beside[i] if i < len(beside) else ',,'},{row}" for i, row in enumerate(rows(",", m.t, 1e3 * m.x))]
+    return lines(folder / "F0001CH1.CSV", *body), {"t": m.t, "x": m.x}
+
+
+def imu_in_g(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    a = 0.3 * m.a / np.abs(m.a).max() * 9.80665
+    still = [0.001 * rng.standard_normal(m.t.size) for _ in "yz"]
+    still[1] += 1.0
+    body = [f"{1e6 * t:.0f},{row}" for t, row in zip(m.t, rows(",", a / 9.80665, *still), strict=True)]
+    return lines(folder / "imu.csv", "t_us,acc_x_g,acc_y_g,acc_z_g", *body), {"t": m.t, "a": a}
+
+
+def french(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    return lines(folder / "ressort.csv", "Temps (s);Abscisse (m)", *rows(";", m.t, m.x, comma=True)), {
+        "t": m.t,
+        "x": m.x,
+    }
+
+
+def tachometer(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    rpm = 1500.0 * np.exp(-2.0 * m.t / m.t[-1])
+    return lines(folder / "run.csv", "time_s,rpm", *rows(",", m.t, rpm)), {"t": m.t, "v": rpm * 2.0 * np.pi / 60.0}
+
+
 WRITERS: dict[str, Writer] = {
     one.__name__: one
     for one in (
@@ -490,6 +568,7 @@ WRITERS: dict[str, Writer] = {
         odrive, picoscope, mujoco, microcontroller, rig, languages, water_pendulum, phyphox_zip,
         phyphox_excel, excel_by_hand, labx, wpilog, tdms, matlab_rows, matlab_trials, simulink, hdf5, json_lines,
         json_entries, runs_below, sensor_logger, catman, polytec, feels_its_weight, times_of_day,
-        printed, stamps_in_two, with_a_summary,
+        printed, stamps_in_two, with_a_summary, physics_toolbox, motive, qualisys, vicon, xsens, timetable, tektronix,
+        imu_in_g, french, tachometer,
     )
 }  # fmt: skip

@@ -5,7 +5,7 @@ Also a waveform saved as text: ``waveform``, ``t0``, ``delta t``, names, rows of
 
 from collections.abc import Sequence
 
-from harness.io.layout import Head, Layout
+from harness.io.layout import Head, Layout, rate_of
 
 _END = "***End_of_Header***"
 
@@ -46,11 +46,8 @@ def _waveform(lines: Sequence[str]) -> Head | None:
 
 
 def _rate(steps: Sequence[str]) -> float | None:
-    try:
-        step = float(steps[0].replace(",", "."))
-    except (ValueError, IndexError):
-        return None
-    return 1.0 / step if step > 0.0 else None
+    step = rate_of(steps[0]) if steps else None
+    return None if step is None else 1.0 / step
 
 
 LAYOUT = Layout(name="LabVIEW", find=_find)

@@ -1,0 +1,45 @@
+"""Markers in space: Qualisys' text (a header of names and values, then rows) and Vicon's (a title, the rate, names of
+markers, axes, units), both in mm.
+"""
+
+from collections.abc import Sequence
+
+from harness.io.layout import Head, Layout, rate_of
+
+_DEEP = 30
+"""Lines of a header at most."""
+
+
+def _find(lines: Sequence[str], name: str) -> Head | None:
+    if lines and lines[0].startswith("NO_OF_FRAMES"):
+        return _qualisys(lines)
+    if len(lines) > 5 and lines[0].strip(' ",').lower() in ("trajectories", "model outputs"):
+        return _vicon(lines)
+    return None
+
+
+def _qualisys(lines: Sequence[str]) -> Head | None:
+    said = {line.partition("\t")[0]: line.partition("\t")[2] for line in lines[:_DEEP]}
+    markers = [one for one in said.get("MARKER_NAMES", "").split("\t") if one.strip()]
+    at = next((i for i, line in enumerate(lines[:_DEEP]) if line.startswith("MARKER_NAMES")), len(lines)) + 1
+    named = at < len(lines) and lines[at].startswith("Frame\t")
+    if not markers or at + named >= len(lines):
+        return None
+    clock, axes = (("Frame", "Time") if named else ()), [f"{one} {axis}" for one in markers for axis in "xyz"]
+    units = (*("" if one == "Frame" else "s" for one in clock), *["mm"] * len(axes))
+    return Head(first=at + named, fields=(*clock, *axes), units=units, rate=rate_of(said.get("FREQUENCY", "")))
+
+
+def _vicon(lines: Sequence[str]) -> Head | None:
+    markers, axes, units = (line.split(",") for line in lines[2:5])
+    if axes[:2] != ["Frame", "Sub Frame"]:
+        return None
+    fields, marker = [], ""
+    for i, axis in enumerate(axes):
+        marker = (markers[i].strip() if i < len(markers) else "") or marker
+        fields.append(f"{marker} {axis.strip()}" if i > 1 and marker else axis.strip())
+    of = [one.strip() for one in (*units, *[""] * len(axes))][: len(axes)]
+    return Head(first=5, fields=tuple(fields), units=tuple(of), separator=",", rate=rate_of(lines[1].strip(' ",')))
+
+
+LAYOUT = Layout(name="motion capture", find=_find)
