@@ -19,7 +19,7 @@ from harness.results.common import (
     rare,
 )
 from harness.results.compare import ChannelPair
-from harness.results.robot import RobotResult
+from harness.results.robot import CurveResult, RobotResult
 
 Verdict = Literal["adequate", "missing_physics", "main_effect", "one_of", "unexplained"]
 Grade = Literal["explains", "main", "one-of", "minor", "tabulated"]
@@ -332,6 +332,7 @@ class DiagnosisResult(Paged):
     attribution: AttributionResult | None = Field(description="null when no engine could be run")
     validation: ValidationResult | None = rare()
     robot: RobotResult | None = rare()
+    curve: CurveResult | None = rare("of a robot's joint: friction over speed")
     evidence: list[EvidenceResult] = Field(description="every catalogue name tried alone, best first")
     consistent_channels: dict[str, ChannelPair] = Field(description='by pair ("x-a"), without a model')
     next_experiment: str

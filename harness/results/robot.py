@@ -2,9 +2,9 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
-from harness.results.common import P, Result, Span, rare
+from harness.results.common import Floats, P, Result, Span, rare
 
 Pair = Annotated[list[str], Field(min_length=2, max_length=2)]
 
@@ -60,6 +60,40 @@ class EntryResult(Result):
     statement: str
 
 
+class LawResult(Result):
+    """One way to say a friction curve."""
+
+    name: str
+    probability: float = Field(description="beside the other laws")
+    parameters: Annotated[dict[str, P], BeforeValidator(dict)]
+
+
+class ChangeOfFriction(Result):
+    """How friction changes with something beside speed."""
+
+    what: str
+    by: P | None = Field(description="of friction along the motion, for one unit of it; null where it is not covered")
+    why: str = Field(default="", description="then what the log lacks")
+    surely: bool = Field(description="by more than two errors")
+
+
+class CurveResult(Result):
+    """Friction of a joint over its speed, mean over the positions and loads of the log."""
+
+    v: Floats = Field(description="rad/s or m/s, rising, in both directions; linear between them")
+    friction: Floats = Field(description="N m or N, of the sign of v")
+    low: Floats = Field(description="band of 95 %, as wide as blocks of the log differ")
+    high: Floats
+    unit: str
+    laws: list[LawResult] = Field(description="the most probable first, down to .01")
+    apart: float = Field(description="probability of such a difference between the directions where there is none")
+    break_away: P | None = Field(description="at its zero; null where the log does not show it")
+    presliding: P | None = Field(description="distance over which friction builds up after a reversal; or null")
+    changes: list[ChangeOfFriction]
+    left: float | None = Field(description="rms of torque that was not fitted, beside the curve")
+    line: list[P] = Field(description="Coulomb and viscous friction that come nearest at the speeds that occur")
+
+
 class JointResult(Result):
     """Friction of one joint of an arm that moves as a whole, everything that is named beside it."""
 
@@ -72,6 +106,7 @@ class JointResult(Result):
     over_noise: float | None = Field(description="rms of what is left over that of the torque's noise")
     guard_s: float | None = Field(description="left out on each side of a reversal")
     samples: int = Field(description="that were fitted")
+    curve: CurveResult | None = rare("null where too few speeds occur")
     statement: str
 
 

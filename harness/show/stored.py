@@ -23,7 +23,8 @@ from harness.core.trajectory import Source, Trajectory
 from harness.show.pack import recording_of, trajectory_of
 
 Left = Mapping[str, NDArray[np.float64]]
-"""By joint: t, q, v, torque left by the base and by the model, (m, 5)."""
+"""By joint: t, q, v, torque left by the base and by the model, and torque beyond the rigid model as the file has it and
+as it was corrected, (m, 7)."""
 BEFORE, AFTER = "#e4632d", "#2b7fd6"
 BEFORE_NAME, AFTER_NAME = "viscous and Coulomb", "with what is named"
 LEFT, MOTION, HELD, SWING = "left", "motion", "held", "swing"
@@ -32,6 +33,7 @@ LIFTED, SPUN = "lifted", "spun"
 """Of a body of a scene, beside how it slid: m, rad."""
 _MEANS = 48
 _BEFORE, _AFTER, _INSIDE = "before", "after", "inside"
+_TORQUES = (_BEFORE, _AFTER, "raw", "friction")
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,8 +76,9 @@ def parts_of(shown: Shown) -> dict[str, list[Trajectory]]:
     """As a trace keeps it: one motion a joint or an engine, named after it."""
     left = []
     for joint, rows in shown.left.items():
-        t, q, v, before, after = rows.T
-        left.append(Trajectory(t, q, v, np.zeros_like(t), Source(joint), extra={_BEFORE: before, _AFTER: after}))
+        t, q, v, *torques = rows.T
+        extra = dict(zip(_TORQUES, torques, strict=True))
+        left.append(Trajectory(t, q, v, np.zeros_like(t), Source(joint), extra=extra))
     motions = []
     for motion in shown.motions:
         inside = np.isfinite(motion.before) & np.isfinite(motion.after)
@@ -89,7 +92,7 @@ def parts_of(shown: Shown) -> dict[str, list[Trajectory]]:
 def unpacked(left: Iterable[Trajectory], motions: Iterable[Trajectory]) -> Shown:
     """What ``parts_of`` was given. Raises LookupError for what is something else."""
     rows = {
-        one.source.name: np.column_stack((one.t, one.x, one.v, one.extra[_BEFORE], one.extra[_AFTER])) for one in left
+        one.source.name: np.column_stack((one.t, one.x, one.v, *(one.extra[name] for name in _TORQUES))) for one in left
     }
     found = []
     for one in motions:

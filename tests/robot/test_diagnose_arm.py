@@ -47,7 +47,9 @@ def test_friction_comes_back_and_goes_into_the_model(case: Path) -> None:
     assert result["refined"]["parameters"]["f_k"]["value"] == pytest.approx(F_K[1], rel=0.02)
     assert result["verdict"] == "adequate"
     pasted = mujoco.MjModel.from_xml_path(result["files"]["robot_mjcf"])
-    assert pasted.dof_frictionloss[1] == pytest.approx(result["refined"]["parameters"]["f_k"]["value"], rel=1e-9)
+    line = result["curve"]["line"]
+    assert (pasted.dof_frictionloss[1], pasted.dof_damping[1]) == pytest.approx([p["value"] for p in line], rel=1e-9)
+    assert [p["value"] for p in line] == pytest.approx((F_K[1], C[1]), rel=0.03)
     assert pasted.dof_frictionloss[0] == 0.0
     left = np.loadtxt(result["files"]["residual_torque"], delimiter=",", skiprows=1)
     assert left.shape[1] == 5

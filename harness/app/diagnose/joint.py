@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from harness.app.diagnose.joint_case import JointCase, unfitted
-from harness.app.diagnose.joint_words import breaking, doubted, named, with_forward_run
+from harness.app.diagnose.joint_words import breaking, doubted, losses, named, with_forward_run
 from harness.app.diagnose.one import deliver
 from harness.app.diagnose.options import DiagnoseOptions, RobotOptions, Zero
 from harness.app.diagnose.result import STEPS, Diagnosed
@@ -152,11 +152,17 @@ def _finish(
 
 
 def _left(done: Diagnosed, one: OneJoint) -> FloatArray:
-    """Columns t, q, v, torque left by the base and by the refined model (m, 5); by nothing at rest."""
+    """Columns (m, 7) as a page and a trace have them, by nothing at rest: t, q, v, torque left by the base and by the
+    refined model, and friction as each of them has it."""
     outcome = done.outcome
     kind = kind_of(outcome.problem)
     before = kind.left_over(outcome.problem, outcome.base, outcome.scales)
     after = kind.left_over(outcome.problem, outcome.refined, outcome.scales)
     torque = np.interp(before.t, after.t, after.force) * outcome.refined.model.m
-    rows = np.column_stack((before.t, before.at_x + one.rest, before.at_v, before.force * outcome.base.model.m, torque))
+    base = outcome.base.model
+    rest, v = before.force * base.m, before.at_v
+    t, _, lost = losses(outcome)
+    raw = rest + base.c * v + base.f_k * np.sign(v)
+    friction = np.interp(before.t, t, lost) if t.size else raw
+    rows = np.column_stack((before.t, before.at_x + one.rest, v, rest, torque, raw, friction))
     return np.asarray(rows[np.all(np.isfinite(rows), axis=1)])

@@ -12,7 +12,7 @@ import numpy as np
 from harness.app.diagnose.joint_case import JointCase
 from harness.app.diagnose.result import Diagnosed
 from harness.app.shared.parts import reduction_of
-from harness.core.arrays import FloatArray, IntArray
+from harness.core.arrays import FloatArray
 from harness.core.quantity import Quantity
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.standard_errors import plain_parameters
@@ -22,9 +22,10 @@ from harness.diagnosis.problems.asked import inverse_force
 from harness.model.terms import static_friction
 from harness.results.common import P, Where
 from harness.results.diagnosis import DiagnosisResult, FitResult, MechanismResult
-from harness.results.robot import SimulatedResult
+from harness.results.robot import CurveResult, SimulatedResult
 from harness.robot.arm import Arm
 from harness.robot.coupling import Coupling
+from harness.robot.friction_curve import FrictionCurve, of_series
 from harness.robot.paste import JointPaste
 from harness.robot.recording import OneJoint, Slips
 
@@ -52,6 +53,30 @@ def stands_for(f_k: Quantity, c: Quantity, names: Sequence[str]) -> str:
         f" Pasted is the line that comes nearest: dry friction {dry} and damping {viscous} stand for"
         f" {', '.join(names)} at the speeds and loads of this log."
     )
+
+
+_SHOWN = 3
+"""Speeds at which a sentence says friction."""
+
+
+def of_curve(found: FrictionCurve) -> str:
+    """A sentence on a friction curve: a few of its points, mean of both directions, and the law that says it best."""
+    back, on = np.split(np.arange(found.v.size), 2)
+    at = np.unique(np.linspace(0, on.size - 1, _SHOWN).round().astype(int))
+    size = (found.friction[on] - found.friction[back[::-1]]) / 2.0
+    speed = "rad/s" if "m" in found.unit else "m/s"
+    points = [
+        f"{Quantity(float(size[k]), float(found.error[on[k]]), found.unit)} at {found.v[on[k]]:.2g} {speed}" for k in at
+    ]
+    best = found.laws[0]
+    apart = " It differs between the directions." if found.apart < _DIFFER else ""
+    sure = [one for one in found.changes if one.surely]
+    more = f" It changes with {' and '.join(f'{one.what} ({one.by})' for one in sure)}." if sure else ""
+    return f"Friction is {', '.join(points)}; {best.name} says it best (P {best.probability:.2f}).{apart}{more}"
+
+
+_DIFFER = 0.001
+"""Probability by chance alone below which the directions are said to differ."""
 
 
 def with_forward_run(result: DiagnosisResult, simulated: Sequence[SimulatedResult]) -> DiagnosisResult:
@@ -162,10 +187,10 @@ def named(
     result, outcome, arm = done.result, done.outcome, case.arm
     base = _parameters(outcome.base, outcome, one, outcome.verdict == "adequate")
     refined = _parameters(outcome.refined, outcome, one, outcome.verdict != "unexplained")
-    curved = shapes(outcome)
+    curved, over_speed = shapes(outcome), friction_over_speed(outcome, (refined["f_k"].unit, refined["c"].unit))
     nearest = refined["f_k"], refined["c"]
-    if curved:
-        nearest = line(outcome, (refined["f_k"].unit, refined["c"].unit))
+    if curved and over_speed is not None:
+        nearest = over_speed.line
     paste = _paste(nearest, refined["inertia"], arm, found)
     terms = [entry.term.name for entry in outcome.refined.model.terms]
     left_out = [*paste.cannot_say("mjcf", terms), *paste.cannot_say("urdf", terms)]
@@ -174,6 +199,7 @@ def named(
         "statement": _statement(result.statement, refined, arm, found, one) + stands_for(*nearest, curved),
         "baseline": _with(result.baseline, base),
         "refined": _with(result.refined, refined),
+        "curve": None if over_speed is None else CurveResult.model_validate(over_speed),
         "mechanisms": [m.model_copy(update={"statement": f"{case.joint}: {m.statement}"}) for m in result.mechanisms],
         "robot": case.robot(paste, mode="locked", reduction=reduction, confounded=_confounded(found, one)),
         "model_left_out": [*result.model_left_out, *left_out],
@@ -266,8 +292,6 @@ def _confounded(found: Coupling, one: OneJoint) -> list[list[str]]:
     return pairs
 
 
-_PARTS = 10
-"""Of a log, from whose differences the errors are taken."""
 _MOVING = 0.05
 """Of the largest speed: slower samples do not count, where friction's sign is not known."""
 _LOSING = ("friction", "damping")
@@ -279,11 +303,14 @@ def shapes(outcome: Outcome) -> tuple[str, ...]:
     return tuple(dict.fromkeys(one.term.name for one in terms if one.term.family in _LOSING))
 
 
-def line(outcome: Outcome, units: tuple[str, str]) -> tuple[Quantity, Quantity]:
-    """Dry friction and damping that come nearest to what the joint loses, with errors from tenths of the log.
+def friction_over_speed(outcome: Outcome, units: tuple[str, str]) -> FrictionCurve | None:
+    """What the joint loses over its speed, as the fit and what it leaves say."""
+    _, v, lost = losses(outcome)
+    return of_series(v, lost, units)
 
-    Alone where the other is not surely above none: no robot's model takes less.
-    """
+
+def losses(outcome: Outcome) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """t, speed and torque (m,) of friction where the joint surely moves."""
     model = outcome.refined.model
     bare = replace(model, c=0.0, f_k=0.0, f_s=None).with_terms(
         *(one for one in model.terms if one.term.family not in _LOSING)
@@ -293,26 +320,4 @@ def line(outcome: Outcome, units: tuple[str, str]) -> tuple[Quantity, Quantity]:
     still = np.zeros_like(v)
     lost = inverse_force(model, t, x, v, still) - inverse_force(bare, t, x, v, still) + model.m * left.force
     kept = np.isfinite(lost) & (np.abs(v) > _MOVING * float(np.nanmax(np.abs(v))))
-    columns = np.column_stack((np.sign(v), v, np.ones_like(v)))[kept]
-    found, errors = _fitted(columns, lost[kept])
-    unsure = next((i for i in (1, 0) if found[i] < _SURE * errors[i]), None)
-    if unsure is not None:
-        rest = [i for i in range(found.size) if i != unsure]
-        found[unsure], errors[unsure] = 0.0, math.inf
-        found[rest], errors[rest] = _fitted(columns[:, rest], lost[kept])
-    return Quantity(float(found[0]), float(errors[0]), units[0]), Quantity(float(found[1]), float(errors[1]), units[1])
-
-
-def _fitted(columns: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Numbers and standard errors (p,) of columns (n, p) in y (n,)."""
-    rows: IntArray = np.arange(y.size)
-    without = np.array(
-        [
-            np.linalg.lstsq(columns[others], y[others], rcond=None)[0]
-            for others in (np.setdiff1d(rows, part) for part in np.array_split(rows, _PARTS))
-        ]
-    )
-    spread = np.sum((without - without.mean(axis=0)) ** 2, axis=0)
-    found = np.linalg.lstsq(columns, y, rcond=None)[0]
-    errors = np.sqrt((_PARTS - 1) / _PARTS * spread)
-    return np.asarray(found, dtype=np.float64), np.asarray(errors, dtype=np.float64)
+    return t[kept], v[kept], lost[kept]

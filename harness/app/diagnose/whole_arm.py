@@ -2,11 +2,12 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import fields
 
 import numpy as np
 
 from harness.app.diagnose.joint_case import JointCase
-from harness.app.diagnose.joint_words import stands_for, surely, with_forward_run
+from harness.app.diagnose.joint_words import of_curve, stands_for, surely, with_forward_run
 from harness.app.shared.leaving import FILES as ALWAYS
 from harness.app.shared.leaving import leave, leaving
 from harness.core.errors import InputError
@@ -57,19 +58,19 @@ def diagnose_arm(case: JointCase) -> DiagnosisResult:
             raise InputError(f"{log.file}: {name}", "it does not move to and fro enough", f"a joint that does: {those}")
         case.progress("writing trace and report", 3, 4)
         # the line through friction; nothing that is not surely above none
-        f_k, c = (surely(q) for q in joint.line or (joint.coulomb, joint.viscous))
+        f_k, c = (surely(q) for q in joint.line)
         paste = JointPaste(name, f_k, c, float(arm.armature[arm.index(name)]), float(arm.model.opt.timestep))
         files = FILES | case.copied(paste, output.work)
         result = _result(case, found, joint, paste, {kind: output.at(file) for kind, file in files.items()})
         left = {
-            one.joint: np.column_stack((one.left.t, one.left.q, one.left.v, one.left.before, one.left.after))
+            one.joint: np.column_stack([getattr(one.left, field.name) for field in fields(one.left)])
             for one in found.joints
             if one.left is not None
         }
         shown, simulated = case.tried(paste, left, joint.offset.value or 0.0)
         result = with_forward_run(result, simulated)
         header = "t,q,v,before,after"
-        np.savetxt(output / FILES["residual_torque"], left[name], "%.9g", ",", header=header, comments="")
+        np.savetxt(output / FILES["residual_torque"], left[name][:, :5], "%.9g", ",", header=header, comments="")
         leave(output, result, arm_page(result, shown), arm_scene(result, shown))
     return result
 
@@ -95,6 +96,7 @@ def _result(
         baseline=_fit(joint.base or refined, inertia, squares[0]),
         mechanisms=[_mechanism(one, found.seconds, joint.samples) for one in own],
         refined=_fit(refined, inertia, squares[1]),
+        curve=joint.curve,
         rules=found.rules,
         holdout={"spans_s": [], "baseline_rmse": squares[0], "refined_rmse": squares[1]},
         robot=case.robot(paste, mode="whole-arm", reduction=None, confounded=found.confounded, arm=arms),
@@ -138,8 +140,9 @@ def _statement(joint: JointFriction, own: Sequence[EntryResult]) -> str:
     """Friction, and what is found beside it, the largest share first."""
     more = [one.statement for one in own]
     none = [] if more or joint.left is None else ["Nothing is named beside it."]
-    line = stands_for(*(joint.line or (joint.coulomb, joint.viscous)), [effect.name for effect in joint.effects])
-    return " ".join((f"The whole arm moves. {joint.statement}", *more, *none)) + line
+    line = stands_for(*joint.line, [effect.name for effect in joint.effects])
+    over_speed = [] if joint.curve is None else [of_curve(joint.curve)]
+    return " ".join((f"The whole arm moves. {joint.statement}", *over_speed, *more, *none)) + line
 
 
 def _joint(one: JointFriction) -> JointResult:

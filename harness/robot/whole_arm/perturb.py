@@ -2,7 +2,9 @@
 
 import copy
 import math
+from collections.abc import Iterator
 from dataclasses import replace
+from itertools import combinations_with_replacement
 from typing import Any
 
 import mujoco
@@ -46,26 +48,73 @@ def with_load(arm: Arm, kg: float, beside: FloatArray | None = None) -> Arm:
     model, body = copy.copy(arm.model), last_body(arm)
     mass, centre = float(model.body_mass[body]), np.array(model.body_ipos[body])
     at = centre if beside is None else centre + beside
-    turn = np.empty(9)
-    mujoco.mju_quat2Mat(turn, model.body_iquat[body])
-    axes = turn.reshape(3, 3)
+    axes = _axes(model, body)
     inertia = axes @ np.diag(model.body_inertia[body]) @ axes.T
     both = (mass * centre + kg * at) / (mass + kg)
-    inertia = inertia + _of_point(mass, centre - both) + _of_point(kg, at - both)
+    _put(model, body, mass + kg, both, inertia + _of_point(mass, centre - both) + _of_point(kg, at - both))
+    return _settled(arm, model)
+
+
+def _axes(model: Any, body: int) -> FloatArray:
+    """Of a body's principal inertia, as columns (3, 3)."""
+    turn = np.empty(9)
+    mujoco.mju_quat2Mat(turn, model.body_iquat[body])
+    return turn.reshape(3, 3)
+
+
+def _put(model: Any, body: int, mass: float, centre: FloatArray, inertia: FloatArray) -> None:
+    """Give a body mass, centre of mass (3,) and inertia (3, 3) about that."""
     principal, axes = np.linalg.eigh(inertia)
     axes[:, 2] *= np.sign(np.linalg.det(axes))
     mujoco.mju_mat2Quat(model.body_iquat[body], np.ascontiguousarray(axes).ravel())
-    model.body_mass[body], model.body_ipos[body], model.body_inertia[body] = mass + kg, both, principal
+    model.body_mass[body], model.body_ipos[body], model.body_inertia[body] = mass, centre, principal
     # a body whose centre of mass was its origin was compiled by a shorter way, which leaves the new one out
     model.body_sameframe[body] = model.body_simple[body] = 0
     first, count = int(model.body_dofadr[body]), int(model.body_dofnum[body])
     model.dof_simplenum[first : first + count] = 0
-    return _settled(arm, model)
 
 
 def _of_point(kg: float, at: FloatArray) -> FloatArray:
     """Inertia (3, 3) of a point mass at (3,)."""
     return np.asarray(kg * (float(at @ at) * np.eye(3) - np.outer(at, at)), dtype=np.float64)
+
+
+def inertials(arm: Arm) -> Iterator[tuple[Arm, float, float]]:
+    """The arm with one inertial number of one body changed, by how much, and how large it is in the model.
+
+    Mass, three first moments and six of inertia about the body's origin, of every body that moves. Torque is linear in
+    them.
+    """
+    for body in moving_bodies(arm):
+        model = arm.model
+        mass, centre, axes = float(model.body_mass[body]), np.array(model.body_ipos[body]), _axes(model, body)
+        inertia = axes @ np.diag(model.body_inertia[body]) @ axes.T
+        long = math.sqrt(float(np.trace(inertia)) / mass + float(centre @ centre))
+        about = inertia + _of_point(mass, centre)
+        yield _with_inertials(arm, body, mass * (1 + _STEP), mass * centre, about), mass * _STEP, mass
+        for k in range(3):
+            moved = mass * centre + mass * long * _STEP * np.eye(3)[k]
+            yield _with_inertials(arm, body, mass, moved, about), mass * long * _STEP, mass * long
+        for row, column in combinations_with_replacement(range(3), 2):
+            more = np.zeros((3, 3))
+            more[row, column] = more[column, row] = size = mass * long**2 * _STEP
+            yield _with_inertials(arm, body, mass, mass * centre, about + more), size, mass * long**2
+
+
+_STEP = 0.1
+"""Share by which an inertial number is moved to see what it changes."""
+
+
+def _with_inertials(arm: Arm, body: int, mass: float, moment: FloatArray, about: FloatArray) -> Arm:
+    """The arm with these of one body: kg, kg m (3,), kg m^2 about its origin (3, 3)."""
+    model, centre = copy.copy(arm.model), moment / mass
+    above, more = body, mass - float(model.body_mass[body])
+    while above:
+        model.body_subtreemass[above] += more
+        above = int(model.body_parentid[above])
+    model.body_subtreemass[0] += more
+    _put(model, body, mass, centre, about - _of_point(mass, centre))
+    return replace(arm, model=model)
 
 
 def without_armature(arm: Arm) -> Arm:

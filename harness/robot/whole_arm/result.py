@@ -6,6 +6,7 @@ from enum import Enum
 from harness.core.arrays import FloatArray
 from harness.core.quantity import Quantity
 from harness.diagnosis.rules import Rule
+from harness.robot.friction_curve import FrictionCurve
 
 
 class Grade(Enum):
@@ -46,13 +47,18 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Left:
-    """Torque that is left of a joint on guarded samples, each (m,), by its base and by the model; q, v : its motion."""
+    """Torque that is left of a joint on guarded samples, each (m,), by its base and by the model; q, v : its motion.
+
+    raw : torque beyond the rigid model of the file. friction : beyond the model as corrected, the offset taken off.
+    """
 
     t: FloatArray
     q: FloatArray
     v: FloatArray
     before: FloatArray
     after: FloatArray
+    raw: FloatArray
+    friction: FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,8 +69,8 @@ class JointFriction:
     held_out : rms of the torque left over in blocks of time that were not fitted, by the base and by the model, N m.
     remainder : rms of what the model leaves over that of the recorded torque's noise, None where that
     shows none. guard : s. samples : guarded. base : Coulomb, viscous and offset with nothing else in the model.
-    left : the torque itself. line : Coulomb and viscous friction that come nearest to all of the friction that was
-    found, at the speeds and loads of the log. All are None where the joint hardly moves.
+    left : the torque itself. curve : friction over speed, None where too few speeds occur. All are None where the joint
+    hardly moves.
     """
 
     joint: str
@@ -79,7 +85,12 @@ class JointFriction:
     samples: int = 0
     base: tuple[Quantity, Quantity, Quantity] | None = None
     left: Left | None = None
-    line: tuple[Quantity, Quantity] | None = None
+    curve: FrictionCurve | None = None
+
+    @property
+    def line(self) -> tuple[Quantity, Quantity]:
+        """Coulomb and viscous friction to paste: the line through the curve at the speeds that occur."""
+        return (self.coulomb, self.viscous) if self.curve is None else self.curve.line
 
 
 @dataclass(frozen=True, slots=True)

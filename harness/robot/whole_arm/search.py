@@ -157,7 +157,7 @@ def _without(design: Design, t: FloatArray) -> Iterator[tuple[IntArray, IntArray
         yield of - one, out, numbers / scale
 
 
-def _held_out(design: Design, t: FloatArray) -> float:
+def held_out(design: Design, t: FloatArray) -> float:
     """Sum of squares of whitened samples that were held out, fold by fold."""
     return sum(
         float(np.sum((design.y[out] - design.matrix[out] @ numbers) ** 2)) for _, out, numbers in _without(design, t)
@@ -211,7 +211,7 @@ def _search(problem: Problem, candidates: Sequence[Candidate], forced: Sequence[
     whitened = {candidate.key: Whitened.of(candidate, parts) for candidate in candidates}
     chosen = [replace(one, whitened=whitened[one.candidate.key], setting=0) for one in forced]
     design = Design(parts, chosen)
-    before = _held_out(design, t)
+    before = held_out(design, t)
     refused: set[tuple[str, int | None]] = set()
     best: Named | None = None
     while True:
@@ -224,7 +224,7 @@ def _search(problem: Problem, candidates: Sequence[Candidate], forced: Sequence[
         if best.evidence < NAMED.value:
             break
         named, trial = polished(parts, chosen, best)
-        after = _held_out(trial, t)
+        after = held_out(trial, t)
         if after >= before or not _sized(trial) or _driving(trial) > _driving(design):
             refused.add(best.candidate.key)
             continue
@@ -323,12 +323,14 @@ def _learnt(design: Design, joint: int) -> Noise:
 class Solved:
     """model : what was chosen. problem : with every correction. first : the problem without any.
 
-    corrected : by name, the sum of what was corrected, in the candidate's numbers. still : joints that hardly move.
+    arm : as corrected. corrected : by name, the sum of what was corrected, in the candidate's numbers. still : joints
+    that hardly move.
     """
 
     model: Model
     problem: Problem
     first: Problem
+    arm: Arm
     corrected: dict[str, FloatArray]
     still: tuple[str, ...]
 
@@ -343,7 +345,7 @@ def solve(log: JointLog, arm: Arm, joints: Sequence[str] | None, lowpass: float 
 
     Raises InputError where no joint moves enough.
     """
-    applied: dict[str, FloatArray] = {}
+    applied, now = dict[str, FloatArray](), arm
     everything = differentiate(log, arm, joints, lowpass)
     going = everything.moving
     if not going:
@@ -366,7 +368,7 @@ def solve(log: JointLog, arm: Arm, joints: Sequence[str] | None, lowpass: float 
         problem = prepare(differentiate(log, now, names, everything.band.lowpass, late), now, known)
         keys = {one.candidate.key for one in forced}
         model = _search(problem, [one for one in problem.candidates if steady or one.key in keys], forced)
-    return Solved(model, problem, first, applied, still)
+    return Solved(model, problem, first, now, applied, still)
 
 
 def _corrected(arm: Arm, applied: dict[str, FloatArray]) -> tuple[Arm, float]:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from harness.core.errors import InputError
 from harness.core.quantity import Quantity
 from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
+from harness.robot.friction_curve import FrictionCurve
 from harness.robot.whole_arm.columns import (
     ARMATURE,
     ASYMMETRIC,
@@ -29,6 +31,7 @@ from harness.robot.whole_arm.columns import (
     STRIBECK,
     TILT,
 )
+from harness.robot.whole_arm.curve import curves
 from harness.robot.whole_arm.design import Design, Named, Whitened
 from harness.robot.whole_arm.perturb import with_load, without_armature
 from harness.robot.whole_arm.result import Entry, Grade, JointFriction, Left, WholeArm
@@ -125,6 +128,11 @@ class _Told:
         self.solved, self.arm, self.filtered = solved, arm, solved.problem.filtered
         self.design, self.plain = solved.model.design, Design(solved.first.parts, ())
         self.covariance, self.spread = self.design.covariance(), self.plain.covariance()
+        self.gain = {j: self._scaled(j) for j in self.design.parts}
+        units = {
+            j: (self._unit(name, _BASE[0]), self._unit(name, _BASE[1])) for j, name in enumerate(self.filtered.joints)
+        }
+        self.curved = curves(solved.problem, self.design, solved.arm, units, self.gain)
 
     def result(self, known: Known) -> WholeArm:
         """Everything that is told."""
@@ -166,12 +174,7 @@ class _Told:
 
     def _joint(self, j: int, before: float, after: float) -> JointFriction:
         design, filtered, name = self.design, self.filtered, self.filtered.joints[j]
-        gain = 1.0 + sum(
-            float(design.numbers[place][0])
-            for one, place in zip(design.named, design.places, strict=True)
-            if one.candidate.name == MOTOR and one.candidate.joint in (j, None)
-        )
-        coulomb, viscous, offset = self._base(name, design, design.base[j], self.covariance, gain)
+        coulomb, viscous, offset = self._base(name, design, design.base[j], self.covariance, self.gain[j])
         kept = design.parts[j].stretches.kept
         remaining, noise = design.left(j)[kept], filtered.torque_noise[j]
         # a record that was smoothed shows no noise
@@ -180,6 +183,8 @@ class _Told:
         unit = self._unit(name, "N m")
         better = f", {after:.3g} {unit} with what is named" if after < SAID_BETTER.value * before else ""
         both, dof = kept & self.plain.parts[j].stretches.kept, filtered.dof[j]
+        effects, first = tuple(self._effects(j, remainder)), self.solved.first.parts[j].torque
+        found = self.curved.get(j)
         return JointFriction(
             name,
             coulomb,
@@ -187,7 +192,7 @@ class _Told:
             offset,
             f"{name}: Coulomb friction {coulomb}, viscous friction {viscous}; it leaves {before:.3g} {unit} of torque"
             f" that was not fitted{better}.",
-            tuple(self._effects(j, remainder)),
+            effects,
             (before, after),
             remainder,
             self.solved.problem.guard[j],
@@ -196,8 +201,9 @@ class _Told:
             Left(
                 filtered.t[both], filtered.q[both, dof], filtered.v[both, dof],
                 self.plain.left(j)[both], design.left(j)[both],
+                first[both], (first if found is None else found.friction)[both],
             ),
-            self._line(j, gain),
+            self._curve(j, effects, coulomb),
         )  # fmt: skip
 
     def _base(
@@ -211,26 +217,27 @@ class _Told:
         )
         return first, second, third
 
-    def _line(self, j: int, gain: float) -> tuple[Quantity, Quantity]:
-        """The line through a joint's friction over its speed, at the guarded samples; its errors are the base's alone.
-
-        Numbers of columns that nearly cancel mean nothing by themselves; what they come to at these speeds and loads
-        does.
-        """
-        design, place = self.design, self.plain.base[j]
-        part = design.parts[j]
-        friction = part.base[:, :2] @ design.numbers[design.base[j]][:2]
-        friction = friction + design.said(j, lambda candidate: candidate.joint == j and candidate.of_friction)
-        kept = part.stretches.kept
-        errors = np.sqrt(np.diag(self.spread[place, place])) / abs(gain)
-        found = np.linalg.lstsq(part.base[kept, :3], friction[kept], rcond=None)[0] / gain
-        if found[1] < 2.0 * errors[1]:
-            # no model takes a damping below none: then dry friction is what stands for all of it
-            found[[0, 2]] = np.linalg.lstsq(part.base[kept][:, [0, 2]], friction[kept], rcond=None)[0] / gain
-        coulomb, viscous = (
-            Quantity(float(found[i]), float(errors[i]), self._unit(self.filtered.joints[j], _BASE[i])) for i in (0, 1)
+    def _scaled(self, j: int) -> float:
+        """The torque of a joint as logged over what it was."""
+        design = self.design
+        return 1.0 + sum(
+            float(design.numbers[place][0])
+            for one, place in zip(design.named, design.places, strict=True)
+            if one.candidate.name == MOTOR and one.candidate.joint in (j, None)
         )
-        return coulomb, viscous
+
+    def _curve(self, j: int, effects: Sequence[Entry], coulomb: Quantity) -> FrictionCurve | None:
+        """The curve of a joint with what its reversals show."""
+        if j not in self.curved:
+            return None
+        found, at_zero = self.curved[j].found, {one.name: dict(one.parameters) for one in effects}
+        held = at_zero.get(PRESLIDING, {}).get("length")
+        more = at_zero.get(STATIC, {}).get("f_s - f_c")
+        loose = None
+        if more is not None and more.value is not None and coulomb.value is not None:
+            errors = math.hypot(more.stderr or 0.0, coulomb.stderr or 0.0)
+            loose = Quantity(coulomb.value + more.value, errors, more.unit)
+        return replace(found, presliding=held, break_away=loose)
 
     def _effects(self, j: int, remainder: float | None) -> Iterator[Entry]:
         """What was named on guarded samples of a joint, the surest first, and what at its reversals."""

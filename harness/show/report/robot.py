@@ -6,15 +6,24 @@ from typing import Any
 
 import numpy as np
 
+from harness.core.quantity import Quantity
 from harness.core.trajectory import Trajectory
 from harness.results.common import P
 from harness.results.diagnosis import DiagnosisResult
 from harness.results.fleet import FleetResult, FleetRow
-from harness.results.robot import EntryResult, JointResult, MatchResult, PasteResult, RobotResult, SimulatedResult
+from harness.results.robot import (
+    CurveResult,
+    EntryResult,
+    JointResult,
+    MatchResult,
+    PasteResult,
+    RobotResult,
+    SimulatedResult,
+)
 from harness.results.run import JointRunResult
 from harness.show import blocks as b
 from harness.show.numbers import number, of_engines, of_names
-from harness.show.plots import GROUP, axes, curve, dots, per, some
+from harness.show.plots import GROUP, axes, curve, dots, per, plain, some
 from harness.show.report.page import made_with
 from harness.show.stored import AFTER, AFTER_NAME, BEFORE, BEFORE_NAME, Left, Motion, Shown, moved_in
 
@@ -33,10 +42,11 @@ def arm_page(result: DiagnosisResult, shown: Shown) -> b.Page:
     """Friction of an arm's joints, and the torque that is left."""
     robot = _robot_of(result)
     assert robot.arm is not None
-    torque, *more = joint_beside(result, shown)
+    over_speed, engines, *more = joint_beside(result, shown)
     sections = [
         b.verdict(result.statement.replace("+-", "\u00b1"), result.warnings),
-        torque,
+        over_speed,
+        engines,
         _joints(robot.arm.joints, robot.joint),
         _found(robot.arm.found),
         *more,
@@ -61,12 +71,72 @@ def joint_beside(result: DiagnosisResult, shown: Shown) -> list[b.Section]:
     robot, unit = _robot_of(result), result.baseline.parameters["f_k"].unit
     pairs = [" and ".join(pair) for pair in robot.confounded]
     return [
-        _torque(robot.joint, shown.left, unit),
+        _curve(robot.joint, result.curve, shown.left),
         *([_in_engines(robot.joint, robot.simulated, shown.motions, moved_in(unit))] if robot.simulated else []),
+        _torque(robot.joint, shown.left, unit),
         *([b.verdict("", pairs, heading="What this log cannot tell apart")] if pairs else []),
         *([_matches(robot.match)] if robot.match else []),
         _to_paste(robot.paste, result.model_left_out),
     ]
+
+
+_BAND = "rgba(43, 127, 214, 0.22)"
+_RAW_NAME, _FRICTION_NAME = "the model as it is", "the model as corrected"
+
+
+def _curve(joint: str, found: CurveResult | None, left: Left) -> b.Section:
+    """Torque minus the rigid model over speed, before and after, with the curve; its laws, and what it changes with."""
+    heading = f"Friction of {joint} over its speed"
+    if found is None or joint not in left:
+        return b.Section(heading, b.or_nothing([]))
+    place = moved_in(found.unit)
+    rows = left[joint][:: max(1, -(-left[joint].shape[0] // _POINTS))]
+    traces = [
+        dots(of, rows[:, 2], rows[:, k], {"size": 3, "color": color, "opacity": 0.35}, "%{y:.4g}<br>%{x:.4g}", **_STILL)
+        for of, k, color in ((_RAW_NAME, 5, BEFORE), (_FRICTION_NAME, 6, AFTER))
+    ]
+    half = len(found.v) // 2
+    for side in (slice(0, half), slice(half, None)):
+        v, low, high = found.v[side], found.low[side], found.high[side]
+        edge = plain("", v, low, "rgba(0,0,0,0)", 0.0, showlegend=False, hoverinfo="skip")
+        band = {
+            "name": "its band of 95 %",
+            "y": high,
+            "fill": "tonexty",
+            "fillcolor": _BAND,
+            "showlegend": side.start == 0,
+        }
+        traces += [
+            edge,
+            edge | band,
+            plain("the curve", v, found.friction[side], "ink", 2.4, showlegend=side.start == 0),
+        ]
+    f_k, c = (q.value or 0.0 for q in found.line)
+    at = np.array([found.v[0], 0.0, 0.0, found.v[-1]])
+    pasted = c * at + f_k * np.array([-1.0, -1.0, 1.0, 1.0])
+    traces.append(plain("the line that is pasted", at, pasted, "muted", 1.4, mode="lines"))
+    layout = axes(f"speed / ({place}/s)", f"torque minus rigid model / {per(found.unit)}", showlegend=True)
+    figure = b.Figure(
+        "friction-curve", traces, layout, "Guarded samples. The band is as wide as blocks of time differ."
+    )
+    laws = []
+    for one in found.laws:
+        numbers = ", ".join(f"{name} {_said(p)}" for name, p in one.parameters.items())
+        laws.append(f"{one.name}, probability {one.probability:.2f}: {numbers}")
+    zero = [("break-away", found.break_away), ("distance of presliding", found.presliding)]
+    beside = [
+        *(f"{name}: {'not seen in this log' if p is None else _said(p)}" for name, p in zero),
+        *(
+            f"change with {one.what}: {one.why if one.by is None else _said(one.by)}{', surely' if one.surely else ''}"
+            for one in found.changes
+        ),
+    ]
+    said = b.Items(laws, "Laws that may say it"), b.Items(beside, "At its zero, and with what else it changes")
+    return b.Section(heading, [figure, *said])
+
+
+def _said(p: P) -> str:
+    return str(Quantity(p.value, p.stderr, p.unit, why=p.why)).replace("+-", "\u00b1")
 
 
 def _torque(joint: str, left: Left, unit: str) -> b.Section:

@@ -1,0 +1,222 @@
+"""A joint's friction as a curve over its speed: its band, the line that stands for it in a model, the law that says it.
+
+A curve is a cubic spline through knots, speeds that occur, in either direction by itself. A torque that is there
+whatever the speed cannot be told from friction that differs between the directions: it is taken off.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.core.arrays import FloatArray, IntArray
+from harness.core.quantity import Quantity
+from harness.robot.friction_laws import Law, laws
+
+_KNOTS = (0.01, 0.05, 0.14, 0.28, 0.45, 0.65, 0.84, 0.97)
+"""Shares of a direction's samples that are slower: more knots where laws bend most."""
+_APART = 1.15
+"""Ratio of neighbouring knots, at least."""
+_BLOCKS = 4
+"""Of time that reach the fastest knot in either direction: what is left out in turn never is all of them."""
+_FEWEST = 3
+"""Knots that make a curve."""
+_SURE = 2.0
+"""Errors above none from which a number of the line is there."""
+_SAYS = 4.0
+"""Errors from which friction is said to change with something: one of a dozen asked does so by chance at two."""
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """How friction changes with something beside speed. by : for one unit of it, None where the log does not cover it.
+
+    why : then what it lacks. surely : by more than four errors.
+    """
+
+    what: str
+    by: Quantity | None
+    why: str = ""
+
+    @property
+    def surely(self) -> bool:
+        """Whether it is there."""
+        by = self.by
+        return by is not None and by.value is not None and abs(by.value) > _SAYS * (by.stderr or math.inf)
+
+
+@dataclass(frozen=True, slots=True)
+class FrictionCurve:
+    """Friction of a joint over its speed, mean over the positions and loads of a log.
+
+    v (n,) : knots, rad/s or m/s, rising; half of them are in either direction. friction (n,) : torque that acts against
+    the drive, N m or N, of the sign of v. low, high (n,) : its band of 95 %. error (n,) : standard. line : Coulomb and
+    viscous friction that come nearest at the speeds that occur. laws : most probable first. apart : chance of such a
+    difference between the directions where there is none. break_away, presliding : at its zero, None where the log does
+    not show it. changes : with what else it changes. left : rms of torque that was not fitted, beside the curve.
+    """
+
+    v: FloatArray
+    friction: FloatArray
+    low: FloatArray
+    high: FloatArray
+    error: FloatArray
+    unit: str
+    line: tuple[Quantity, Quantity]
+    laws: tuple[Law, ...]
+    apart: float
+    break_away: Quantity | None = None
+    presliding: Quantity | None = None
+    changes: tuple[Change, ...] = ()
+    left: float | None = None
+
+    def at(self, v: FloatArray) -> FloatArray:
+        """Friction at speeds (m,), rad/s or m/s; beyond the knots it goes on as beside them."""
+        return splines(v, np.sign(v), self.v[self.v > 0.0]) @ self.friction
+
+
+def knots(v: FloatArray, block: IntArray) -> FloatArray | None:
+    """Knots (k,) of speeds (m,) that occur in both directions, in several blocks of time each.
+
+    block (m,) : number of each sample's. None where they are too few, or too much alike.
+    """
+    ways = [(np.abs(v[side]), block[side]) for side in (v > 0.0, v < 0.0)]
+    if min(s.size for s, _ in ways) < 2 * len(_KNOTS):
+        return None
+    slow = max(float(np.quantile(s, _KNOTS[0])) for s, _ in ways)
+    fast = min(float(np.quantile(s, _KNOTS[-1])) for s, _ in ways)
+    for s, of in ways:
+        reached = sorted(float(np.max(s[of == one])) for one in np.unique(of))
+        fast = min(fast, reached[-min(_BLOCKS, len(reached))])
+    inside = np.concatenate([s[(s >= slow) & (s <= fast)] for s, _ in ways])
+    if not inside.size or slow <= 0.0:
+        return None
+    found = [slow]
+    for at in np.quantile(inside, _KNOTS[1:-1]):
+        if at > _APART * found[-1] and fast > _APART * at:
+            found.append(float(at))
+    found += [fast] * (fast > _APART * slow)
+    return np.array(found) if len(found) >= _FEWEST else None
+
+
+def splines(v: FloatArray, sign: FloatArray, speeds: FloatArray) -> FloatArray:
+    """Shares (m, 2 k) of the values at knots ``speeds`` (k,) in friction at v (m,); sign (m,) : from -1 to 1.
+
+    In the order of the speeds with their signs; a cubic spline between them. Slower than the first and faster than the
+    last friction goes straight on.
+    """
+    from scipy.interpolate import CubicSpline
+
+    spline = CubicSpline(speeds, np.eye(speeds.size))
+    s = np.abs(v)
+    inside = np.clip(s, speeds[0], speeds[-1])
+    ends = np.where((s < inside)[:, None], spline(speeds[0], 1), spline(speeds[-1], 1))
+    found = spline(inside) + (s - inside)[:, None] * ends
+    back, on = (1.0 - sign[:, None]) / 2.0, (1.0 + sign[:, None]) / 2.0
+    return np.hstack((found[:, ::-1] * back, found * on))
+
+
+_DRAWS, _SEED = 200, 0
+"""Of the bootstrap."""
+
+
+def drawn(normal: FloatArray, pull: FloatArray, rest: FloatArray) -> FloatArray:
+    """Numbers (draws, p) under random weights of blocks, exponential with mean one (Rubin 1981, Ann. Statist. 9, 130):
+    a block bootstrap that never leaves out the only block in which something is seen.
+
+    normal (b, p, p), pull (b, p) : normal equations by block. rest (p, p) : what is added whatever the weights.
+    """
+    count, p = pull.shape
+    weights = np.random.default_rng(_SEED).standard_exponential((_DRAWS, count))
+    weights *= count / weights.sum(axis=1, keepdims=True)
+    both = (weights @ normal.reshape(count, -1)).reshape(_DRAWS, p, p) + rest
+    return np.asarray(np.linalg.solve(both, (weights @ pull)[:, :, None])[:, :, 0])
+
+
+def widened(covariance: FloatArray, draws: FloatArray) -> FloatArray:
+    """A covariance (p, p) as wide as draws (d, p) scatter where that is more."""
+    more = np.maximum(np.std(draws, axis=0, ddof=1) / np.sqrt(np.maximum(np.diag(covariance), 1e-300)), 1.0)
+    return np.asarray(covariance * np.outer(more, more))
+
+
+_TIMES = 20
+"""Blocks of a series of friction."""
+_FLAT = 1e-10
+"""Share of a normal equation that keeps it solvable."""
+
+
+def of_series(v: FloatArray, friction: FloatArray, units: tuple[str, str]) -> FrictionCurve | None:
+    """The curve of friction (m,) that was found at speeds (m,), in the order of time; None of too few speeds."""
+    block = (np.arange(v.size) * _TIMES) // max(v.size, 1)
+    if (speeds := knots(v, block)) is None:
+        return None
+    columns = splines(v, np.sign(v), speeds)
+    normal = np.stack([columns[block == b].T @ columns[block == b] for b in range(_TIMES)])
+    pull = np.stack([columns[block == b].T @ friction[block == b] for b in range(_TIMES)])
+    whole = normal.sum(axis=0)
+    rest = _FLAT * float(np.trace(whole)) * np.eye(whole.shape[0])
+    values = np.linalg.solve(whole + rest, pull.sum(axis=0))
+    noise = float(np.mean((friction - columns @ values) ** 2))
+    spread = widened(noise * np.linalg.inv(whole + rest), drawn(normal, pull, rest))
+    return curve(speeds, values, spread, v, _TIMES - 1, units)
+
+
+def curve(
+    speeds: FloatArray,
+    values: FloatArray,
+    covariance: FloatArray,
+    v: FloatArray,
+    freedom: int,
+    units: tuple[str, str],
+) -> FrictionCurve:
+    """A curve of what was fitted. speeds (k,) : knots. values (2 k,) : of splines. v (m,) : speeds that occur.
+
+    freedom : of the errors. units : of Coulomb and viscous friction.
+    """
+    from scipy.special import chdtrc, stdtrit
+
+    every = np.concatenate((-speeds[::-1], speeds))
+    columns = np.column_stack((np.sign(v), v, np.ones_like(v)))
+    occur = splines(v, np.sign(v), speeds)
+    odd = np.hstack((-np.eye(speeds.size)[::-1], np.eye(speeds.size))) / 2.0
+    even = np.abs(odd)
+    sure = 1.0 / np.maximum(np.diag(even @ covariance @ even.T), 1e-300)
+    # what is the same in both directions whatever the speed
+    constant = sure @ even / sure.sum()
+    centred = np.eye(every.size) - constant
+    friction, spread = centred @ values, centred @ covariance @ centred.T
+    error = np.sqrt(np.maximum(np.diag(spread), 0.0))
+    wide = float(stdtrit(max(freedom, 1), 0.975)) * error
+    uneven = even @ friction
+    chance = chdtrc(
+        speeds.size - 1, float(uneven @ np.linalg.pinv(even @ spread @ even.T, rcond=1e-9, hermitian=True) @ uneven)
+    )
+    return FrictionCurve(
+        every, friction, friction - wide, friction + wide, error, units[0],
+        _line(columns, occur, friction, spread, units),
+        laws(speeds, odd @ values, odd @ covariance @ odd.T, v.size, units), float(chance),
+    )  # fmt: skip
+
+
+def _line(
+    columns: FloatArray, occur: FloatArray, friction: FloatArray, spread: FloatArray, units: tuple[str, str]
+) -> tuple[Quantity, Quantity]:
+    """Coulomb and viscous friction; where one is not surely above none the other alone: no model takes less."""
+    found, errors = np.zeros(2), np.full(2, math.inf)
+    asked = [0, 1]
+    while asked:
+        solved = np.linalg.lstsq(columns[:, [*asked, 2]], occur, rcond=None)[0][:-1]
+        found[:], errors[:] = 0.0, math.inf
+        found[asked], errors[asked] = solved @ friction, np.sqrt(np.maximum(np.diag(solved @ spread @ solved.T), 0.0))
+        unsure = next((i for i in reversed(asked) if found[i] < _SURE * errors[i]), None)
+        if unsure is None or len(asked) == 1:
+            break
+        asked.remove(unsure)
+    f_k, c = (
+        Quantity(float(x), float(e), unit) if i in asked else Quantity(0.0, None, unit, _NOT_SURE)
+        for i, (x, e, unit) in enumerate(zip(found, errors, units, strict=True))
+    )
+    return f_k, c
+
+
+_NOT_SURE = "not surely above none beside the other"
