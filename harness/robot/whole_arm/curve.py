@@ -15,17 +15,21 @@ from harness.core.quantity import Quantity
 from harness.robot.arm import Arm
 from harness.robot.friction_curve import Change, FrictionCurve, curve, drawn, knots, splines, widened
 from harness.robot.whole_arm.columns import (
+    ARMATURE,
     ASYMMETRIC,
     DRIFT,
+    INERTIA,
     LOAD,
+    MOTOR,
     POSITION,
     QUADRATIC,
+    SENSOR,
     STRIBECK,
     Candidate,
     of_friction,
     signs,
 )
-from harness.robot.whole_arm.design import Design, Named, Part, Whitened
+from harness.robot.whole_arm.design import Design, Named, Noise, Part, Whitened
 from harness.robot.whole_arm.differentiate import Filtered
 from harness.robot.whole_arm.perturb import inertials
 from harness.robot.whole_arm.rules import BODY_SPREAD, SAID_BETTER
@@ -33,6 +37,7 @@ from harness.robot.whole_arm.search import BLOCK, Problem, held_out, rms
 
 RIGID = "inertial numbers of all bodies"
 _OF_SPEED = (STRIBECK, ASYMMETRIC, QUADRATIC)
+_OF_BODIES = (INERTIA, MOTOR, ARMATURE, SENSOR)
 _BESIDE = (LOAD, POSITION, DRIFT)
 
 
@@ -70,9 +75,12 @@ def curves(
         if not (one.candidate.name in _OF_SPEED and one.candidate.joint in speeds)
     ]
     best = Design(parts, beside)
-    wider = Design(parts, [*beside, Named(Whitened.of(_bodies(filtered, arm), parts))])
+    # they take the place of what was named of masses, rotors and scales of torque
+    bodies, others = _bodies(filtered, arm), [one for one in beside if one.candidate.name not in _OF_BODIES]
+    wider = Design(parts, [*others, Named(Whitened.of(bodies, parts))])
     rigid = held_out(wider, t) < SAID_BETTER.value**2 * held_out(best, t)
-    best = wider if rigid else best
+    if rigid:
+        best, gain = _relearnt(wider, len(bodies.spread) // len(parts)), dict.fromkeys(parts, 1.0)
     covariance, draws, left = best.covariance(), _drawn(best, block), rms(best, t)
     blocks = int(np.ceil(filtered.seconds / BLOCK))
     changes = _changes(problem, best, gain)
@@ -90,6 +98,15 @@ def curves(
             rigid,
         )
     return told
+
+
+def _relearnt(design: Design, shared: int) -> Design:
+    """The same with the noise of what it leaves; shared : numbers beside a joint's own that count for it."""
+    parts = {}
+    for j, part in design.parts.items():
+        fitted = part.spread.size + shared
+        parts[j] = replace(part, noise=Noise.learnt(design.left(j), part.stretches, fitted, part.floor))
+    return Design(parts, [replace(one, whitened=Whitened.of(one.candidate, parts)) for one in design.named])
 
 
 def _splined(filtered: Filtered, joint: int, part: Part, speeds: FloatArray | None) -> Part:
@@ -119,14 +136,16 @@ def _less_mean(columns: FloatArray, part: Part) -> FloatArray:
 
 
 def _bodies(filtered: Filtered, arm: Arm) -> Candidate:
-    """Mass, first moments and inertia of every body, each expected within a share of what the model has."""
-    rigid = arm.inverse(filtered.q, filtered.v, filtered.a)
+    """Mass, first moments and inertia of every body, each expected within a share of what the model has; any rotors."""
+    rigid, dofs = arm.inverse(filtered.q, filtered.v, filtered.a), list(filtered.dof)
     found, spread = [], []
     for other, step, size in inertials(arm):
-        found.append((other.inverse(filtered.q, filtered.v, filtered.a) - rigid)[:, list(filtered.dof)] / step)
+        found.append((other.inverse(filtered.q, filtered.v, filtered.a) - rigid)[:, dofs] / step)
         spread.append(BODY_SPREAD.value * size)
-    columns = np.stack(found, axis=2)
-    by_joint = {j: columns[:, j].copy() for j in range(len(filtered.dof))}
+    rotors = filtered.a[:, dofs, None] * np.eye(len(dofs))
+    columns = np.concatenate((np.stack(found, axis=2), rotors), axis=2)
+    by_joint = {j: columns[:, j].copy() for j in range(len(dofs))}
+    spread += [np.inf] * len(dofs)
     return Candidate(RIGID, None, lambda _: by_joint, tuple(("", "") for _ in spread), np.array(spread))
 
 
