@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib import import_module
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
@@ -160,6 +160,8 @@ def one(row: Row) -> float:
     return 1.0
 
 
+Part: TypeAlias = Literal["suite", "trained"]
+"""trained : as people train policies, with less effort of the solver."""
 Answers: TypeAlias = dict[str, float]
 Metrics: TypeAlias = dict[str, float | None]
 
@@ -169,13 +171,15 @@ class Kind(ABC):
     """A scenario that has an exact answer and starts on the motion it is about. Implementations are final.
 
     name : as commands and results say it. place : where it stands in tables. figures : its columns of the scorecard.
-    routes : those it is run on; the first is that of harness run.
+    routes : those it is run on; the first is that of harness run. part : of the matrix; what is not of the suite has
+    settings of its own there, and no column of the scorecard.
     """
 
     name: str
     place: int
     figures: tuple[Figure, ...] = ()
     routes: tuple[Route, ...] = ROUTES
+    part: Part = "suite"
 
     @abstractmethod
     def of_suite(self, sliders: Sliders, scale: float) -> Scenario:
@@ -237,11 +241,11 @@ def chosen(name: str, given: Mapping[str, float | None]) -> Scenario:
     return kind(name).chosen({key: value for key, value in given.items() if value is not None})
 
 
-def names(route: Route) -> tuple[str, ...]:
+def names(route: Route, part: Part = "suite") -> tuple[str, ...]:
     """Scenarios of a route, in the order in which they are shown."""
-    return tuple(name for name, kind in kinds().items() if route in kind.routes)
+    return tuple(name for name, kind in kinds().items() if route in kind.routes and kind.part == part)
 
 
-def suite(route: Route, sliders: Sliders = OWN) -> dict[str, Scenario]:
+def suite(route: Route, sliders: Sliders = OWN, part: Part = "suite") -> dict[str, Scenario]:
     """Every scenario of a route by its name."""
-    return {name: kind(name).of_suite(sliders, scale_of(route)) for name in names(route)}
+    return {name: kind(name).of_suite(sliders, scale_of(route)) for name in names(route, part)}

@@ -160,6 +160,45 @@ _NEWTON = (
     Variant("tuned", "tuned", (FINE,)),
 )
 
+TRAINED = "trained"
+"""Settings as policies are trained with: few iterations of the solver and of its line search."""
+EFFORTS = ((100, 50), (100, 8), (4, 8), (4, 20), (4, 30), (4, 50), (1, 50), (1, 30), (1, 4), (1, 1))
+"""iterations and ls_iterations, of which the first are what MuJoCo ships with."""
+
+
+def _efforts(more: Callable[[float], Settings], chosen: tuple[tuple[int, int], ...] = EFFORTS) -> Iterator[Variant]:
+    """more : settings beside the effort, for a step."""
+    for iterations, ls_iterations in chosen:
+        effort = {"iterations": iterations, "ls_iterations": ls_iterations}
+        yield Variant(TRAINED, "as-shipped", (MIDDLE,), lambda dt, effort=effort: {**more(dt), **effort})  # type: ignore[misc]
+
+
+def _with(more: Callable[[float], Settings], **settings: Any) -> Variant:
+    return Variant(TRAINED, "as-shipped", (MIDDLE,), lambda dt: {**more(dt), **settings})
+
+
+_HARD_CONE = _fixed(cone="elliptic", impratio=100.0)
+_SHORTER = ((100, 50), (4, 8), (1, 4))
+_LONGER = ((100, 50), (4, 8), (4, 30), (4, 50), (1, 50))
+_EFFORT: dict[tuple[str, Route], tuple[Variant, ...]] = {
+    ("mujoco", "joint"): (
+        *_efforts(_stiff_joint("Euler")),
+        *_efforts(_stiff_joint("implicitfast"), _LONGER),
+        *(_with(_stiff_joint("Euler"), tolerance=value) for value in (1e-5, 0.0)),
+        _with(_stiff_joint("Euler"), noslip_iterations=10),
+        _with(_stiff_joint("Euler"), iterations=4, ls_iterations=8, noslip_iterations=10),
+    ),
+    ("mujoco", "contact"): (
+        *_efforts(_HARD_CONE),
+        *_efforts(_nothing, _SHORTER),
+        *_efforts(_fixed(cone="elliptic"), _SHORTER),
+        *(_with(_HARD_CONE, tolerance=value) for value in (1e-5, 0.0)),
+    ),
+}
+"""Engines whose effort can be set."""
+EFFORT_SCENARIOS = ("free-decay", "hold-50")
+"""Of the suite, which effort is looked at beside holds that slide first."""
+
 _TABLE: dict[tuple[str, Route], tuple[Variant, ...]] = {
     ("rapier", "joint"): _RAPIER_JOINT,
     ("rapier", "contact"): _RAPIER_CONTACT,
@@ -182,6 +221,11 @@ _TABLE: dict[tuple[str, Route], tuple[Variant, ...]] = {
 def variants(engine: str, route: Route) -> tuple[Variant, ...]:
     """The variants of an engine on a route; every engine has at least what ships and what is tuned."""
     return _TABLE.get((engine, route), _EVERY)
+
+
+def effort_variants(engine: str, route: Route) -> tuple[Variant, ...]:
+    """Those of an engine whose solver's effort can be set, on a route."""
+    return _EFFORT.get((engine, route), ())
 
 
 SHORT_SCENARIOS = ("free-decay", "free-decay-no-friction", "hold-97", "belt", "harmonic")
@@ -220,15 +264,16 @@ class Matrix:
         return one * (self.sliders + 1)
 
     def _of(self, name: str, engine: Engine, route: Route, draw: int) -> Iterator[Spec]:
-        version, place = engine.version(), engine.place
-        scenarios = suite(route, drawn(draw) if draw else OWN_SLIDERS)
-        for variant in variants(engine.name, route):
+        version, place, sliders = engine.version(), engine.place, drawn(draw) if draw else OWN_SLIDERS
+        scenarios, trained = suite(route, sliders), suite(route, sliders, "trained")
+        trained |= {name: scenarios[name] for name in EFFORT_SCENARIOS}
+        for variant in (*variants(engine.name, route), *effort_variants(engine.name, route)):
             if self.presets and variant.name not in self.presets:
                 continue
             for dt in self._steps(variant):
                 # what depends on the step is never asked for at a step that is not known
                 changed = tuple(sorted(variant.settings(FINE if dt is None else dt).items()))
-                for scenario in scenarios.values():
+                for scenario in (trained if variant.name == TRAINED else scenarios).values():
                     if self._wanted(variant, dt, bool(changed), scenario.name):
                         yield Spec(name, version, route, variant.name, variant.base, changed, dt, scenario, draw, place)
 
@@ -257,6 +302,9 @@ class Matrix:
 def preset_names(engines: Mapping[str, Engine], routes: tuple[Route, ...] = ROUTES) -> tuple[str, ...]:
     """Every name of settings there is, as-shipped and tuned first."""
     found = [
-        variant.name for engine in engines.values() for route in routes for variant in variants(engine.name, route)
+        variant.name
+        for engine in engines.values()
+        for route in routes
+        for variant in (*variants(engine.name, route), *effort_variants(engine.name, route))
     ]
     return tuple(dict.fromkeys([*PRESETS, *found]))

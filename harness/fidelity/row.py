@@ -125,6 +125,7 @@ def succeeded(spec: Spec, trace: Trajectory, metrics: Metrics) -> SweepRow:
         settings={name: _plain(value) for name, value in source.settings.items()},
         ignored=list(source.ignored),
         integrator=integrator(source.settings),
+        effort=effort(source.settings) if spec.route != "law" else None,
         dt_s=source.dt,
         metrics=metrics,
         exact=kind_of(spec.scenario).answers(spec.scenario),
@@ -177,6 +178,12 @@ def integrator(settings: Mapping[str, Any]) -> str:
     if settings.get("own_spring"):
         return "implicit Euler"
     return "leapfrog" if settings.get("leapfrog") else "semi-implicit Euler"
+
+
+def effort(settings: Mapping[str, Any]) -> dict[str, int] | None:
+    """Iterations of the solver and of its line search; None for an engine that has not both."""
+    names = ("iterations", "ls_iterations")
+    return {name: int(settings[name]) for name in names} if all(name in settings for name in names) else None
 
 
 def _plain(value: Any) -> Any:

@@ -15,8 +15,8 @@ def figures_of(scenario: str) -> tuple[Figure, ...]:
     return kind(scenario).figures
 
 
-COLUMNS = tuple((name, figure) for name, one in kinds().items() for figure in one.figures)
-"""Every figure with the name of its scenario."""
+COLUMNS = tuple((name, figure) for name, one in kinds().items() if one.part == "suite" for figure in one.figures)
+"""Every figure of the scorecard with the name of its scenario."""
 FIGURES = tuple(figure for _, figure in COLUMNS)
 LABELS = tuple(figure.label for figure in FIGURES)
 

@@ -21,6 +21,7 @@ class SweepRow(Result):
     changed: dict[str, Any] = Field(description="those that differ from the preset this one starts from")
     ignored: list[str] = Field(description="what the engine does not honour, one sentence each")
     integrator: str
+    effort: dict[str, int] | None = rare("of the solver: iterations, ls_iterations, where the engine has both")
     dt_s: float | None
     scenario: str
     slider: dict[str, float]

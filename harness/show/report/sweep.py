@@ -10,11 +10,13 @@ from markupsafe import Markup
 from harness.core.trajectory import Trajectory
 from harness.fidelity.kind import Figure, Row, release
 from harness.fidelity.laws import DAMPING, MASS, SERVOS, STEP, STIFFNESS, WITHOUT_EFFECT
+from harness.fidelity.matrix import TRAINED
 from harness.fidelity.scores import COLUMNS, Card, badness, cards, front, points, settings_of
 from harness.results.sweep import Convergence
 from harness.show import blocks as b
 from harness.show.numbers import number
 from harness.show.plots import Trace, axes, dots, plain
+from harness.show.report.effort import effort_section
 from harness.show.sentences.sweep import about, headline, sentences
 
 ROUTES = {
@@ -82,7 +84,8 @@ def sweep_sections(
         (name, version): f"{name} ({place})" if place and name in several else name
         for (name, version), place in places.items()
     }
-    engines, scored = _Engines(named), cards(rows)
+    engines, scored, every = _Engines(named), cards(rows), rows
+    rows = [row for row in rows if row["preset"] != TRAINED]
     said = [*sentences(scored), *notes]
     silent = [f"{one.engine}: {one.what}." for one in WITHOUT_EFFECT]
     alike = _one_step_each(rows)
@@ -96,6 +99,7 @@ def sweep_sections(
         _orders(orders, engines),
         _creep(alike, engines),
         *([_lift(lifting, engines)] if lifting else []),
+        *effort_section(every, engines.name),
         *([_worst(worst, engines)] if worst else []),
         _servos(),
         b.verdict("", [*silent, _SILENT], [one.engine for one in WITHOUT_EFFECT], "Words that do nothing"),
