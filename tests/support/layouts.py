@@ -3,8 +3,10 @@
 Each writer gets a folder, the motion and a generator, and gives the file and what is wanted of it, in SI.
 """
 
+import io
 import json
 import struct
+import tarfile
 import zipfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -393,6 +395,32 @@ def labx(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wante
     return lines(folder / "a.labx", f"{head}{body}</channels></allchannels></cassylab>"), {"t": m.t, "x": m.x}
 
 
+def _vernier(runs: list[Motion]) -> str:
+    def column(name: str, unit: str, y: np.ndarray) -> str:
+        cells = "\n".join(f"{v:.9g}" for v in y if not np.isnan(v))
+        about = f"<ID>7 </ID><DataObjectName>{name}</DataObjectName><ColumnUnits>{unit}</ColumnUnits>"
+        return f"<DataColumn>{about}<ColumnCells>\n{cells}\n</ColumnCells></DataColumn>"
+
+    sets = "".join(
+        f"<DataSet><DataSetName>Run</DataSetName>{column('Time', 's', run.t)}{column('Position', 'm', run.x)}</DataSet>"
+        for run in runs
+    )
+    return f"<Document><FileIDString>Logger Pro Document</FileIDString>{sets}</Document>"
+
+
+def logger_pro(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    return lines(folder / "pendulum.cmbl", _vernier([m])), {"t": m.t, "x": m.x}
+
+
+def graphical_analysis_archive(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    text, path = _vernier(_runs(m, rng)).encode(), folder / "cart.gambl"
+    with tarfile.open(path, "w") as archive:
+        about = tarfile.TarInfo("vstudm/data.udm")
+        about.size = len(text)
+        archive.addfile(about, io.BytesIO(text))
+    return path, {"t": m.t, "x": m.x}
+
+
 def wpilog(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
     """Entries of a drive, and a battery's voltage ten times slower; cut short in the middle of a record."""
 
@@ -569,6 +597,6 @@ WRITERS: dict[str, Writer] = {
         phyphox_excel, excel_by_hand, labx, wpilog, tdms, matlab_rows, matlab_trials, simulink, hdf5, json_lines,
         json_entries, runs_below, sensor_logger, catman, polytec, feels_its_weight, times_of_day,
         printed, stamps_in_two, with_a_summary, physics_toolbox, motive, qualisys, vicon, xsens, timetable, tektronix,
-        imu_in_g, french, tachometer,
+        imu_in_g, french, tachometer, logger_pro, graphical_analysis_archive,
     )
 }  # fmt: skip

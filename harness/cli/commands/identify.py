@@ -22,9 +22,10 @@ if TYPE_CHECKING:
 def command(recording: Path, restoring: "Swing", reading: dict[str, Any], trace: str | None, to: Output) -> int:
     """The estimators on a RECORDING of a free decay: omega_n, zeta and x_k, with standard errors.
 
-    Formats: CSV and text of a dozen programs (also .gz, .zip), Parquet, MATLAB .mat, HDF5, .npz, JSON, .labx, .wpilog,
-    Excel and .tdms (extra files), .rrd of ours. Time and one or more of position, speed, acceleration, by names, units
-    and numbers, or --columns; headers may carry units, as in "x [mm]". A driven recording is refused.
+    Formats: CSV and text of a dozen programs (also .gz, .zip), Parquet, MATLAB .mat, HDF5, .npz, JSON, .labx, .cmbl,
+    .gambl, .wpilog, Excel and .tdms (extra files), .rrd of ours. Time and one or more of position, speed,
+    acceleration, by names, units and numbers, or --columns; headers may carry units, as in "x [mm]". A driven
+    recording is refused.
 
     \b
     Example: harness identify decay.csv
