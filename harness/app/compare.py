@@ -13,6 +13,7 @@ from harness.app.shared.leaving import FILES, leave, leaving
 from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.shared.reading import read, read_sim, recording_info, thinned
+from harness.app.signatures import signatures
 from harness.core.errors import InputError
 from harness.core.quantity import Quantity
 from harness.core.recording import Recording
@@ -128,8 +129,9 @@ def result_of(
         machine=this_machine(),
         outputs=outputs or {},
     )
-    said = compare_sentences(result, _limits(comparison, sim, real))
-    result = result.model_copy(update={"sentences": said})
+    engines = signatures(names, readings, (sim, real), comparison)
+    said = [*(one.sentence for one in engines), *compare_sentences(result, _limits(comparison, sim, real))]
+    result = result.model_copy(update={"sentences": said, "signatures": engines})
     # position and speed of each are smoothed where they were not measured
     first, second = (motion_of(found.t, channels, found.omega) for channels in (found.sim, found.real))
     both = {c: (found.sim[c], found.real[c]) for c in found.real}

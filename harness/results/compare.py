@@ -74,6 +74,15 @@ class Largest(Result):
     time_s: float
 
 
+class SignatureResult(Result):
+    """A difference by a number that engines and importers are known to make."""
+
+    name: Literal["per-degree", "no-friction", "link-damping", "body-damping", "step-damping", "half-step"]
+    sentence: str
+    found: P
+    expected: float = Field(description="in the unit of found")
+
+
 class CompareResult(Paged):
     """harness compare."""
 
@@ -89,6 +98,7 @@ class CompareResult(Paged):
     where: list[Where]
     consistent_channels: dict[str, dict[str, ChannelPair]] = Field(description='by trace and pair ("x-a")')
     verdict: Literal["identical", "same within noise", "different"]
+    signatures: list[SignatureResult] = Field(default_factory=list, description="none where the two are the same")
     p_value: float | None = Field(default=None, description="chance that noise alone differs so much")
     sentences: list[str] = Field(default_factory=list)
     recordings: list[RecordingInfo] = Field(default_factory=list)
