@@ -18,7 +18,7 @@ from harness.core.robot.joint_log import JointLog
 from harness.core.trajectory import Trajectory
 from harness.model.model import Model
 from harness.results.change import ChangeResult
-from harness.results.common import ModelDocument
+from harness.results.common import ModelDocument, MotionResult
 from harness.results.compare import CompareResult
 from harness.results.diagnosis import DiagnosisResult
 from harness.results.identify import IdentifyResult
@@ -35,6 +35,7 @@ __all__ = [
     "LogResult",
     "Model",
     "ModelDocument",
+    "MotionResult",
     "Recording",
     "RunResult",
     "SceneResult",
@@ -47,6 +48,7 @@ __all__ = [
     "load",
     "load_log",
     "log",
+    "motion",
     "run",
     "run_joint",
     "run_scene",
@@ -93,6 +95,17 @@ def identify(
 
     found = _recording(recording)
     return result_of(found, restoring=restoring)[0] if out is None else deliver(found, Path(out), restoring=restoring)
+
+
+def motion(recording: Recording | File, *, restoring: str | None = None) -> MotionResult:
+    """What kind of motion a recording holds, before any fit: a free decay, a run-down, driven, steps, at rest, ...
+
+    restoring : what pulls it back (spring, pendulum, none), where that is known. Raises InputError when it cannot be
+    read.
+    """
+    from harness.app.log import motion
+
+    return motion(_recording(recording), restoring)
 
 
 def compare(

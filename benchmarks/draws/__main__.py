@@ -6,7 +6,7 @@ parameter of it is wrong), FAULT:COMMAND (a recording at rest, or with a fault t
 whole (recordings against which nothing is to be said), faster (a simulation whose frequency is off), drifting-clock,
 misfit (identify of a hidden law), undamped (identify of nearly no damping), layouts (files of loggers), goals (a
 commanded position in one), still (an axis at rest most of the time, slowly and irregularly sampled), wrapped (an angle
-within a turn), loads (an arm that carries a load unsaid), run-downs (an effect hidden in one),
+within a turn), loads (an arm that carries a load unsaid), motions (of ten kinds), run-downs (an effect hidden in one),
 run-down-controls (none), curves (tables of speed and force), slips (a robot's joint that sticks), pastes (what is
 pasted of one that swings), and files of engines by name (cap-rk4 and others: a joint of a file as it is).
 """
@@ -23,6 +23,7 @@ from benchmarks.draws import (
     faults,
     layouts,
     logs,
+    motions,
     pairs,
     rates,
     robot_joints,
@@ -45,6 +46,7 @@ KINDS: dict[str, Draw] = {
     "undamped": rates.undamped,
     "layouts": layouts.answer,
     "goals": layouts.goals,
+    "motions": motions.answer,
     **{
         f"{fault}:{command}": partial(faults.answer, fault=fault, command=command)
         for fault in faults.FAULTS

@@ -21,12 +21,15 @@ from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.diagnosis.fit.rmse import rmse
 from harness.diagnosis.fit.standard_errors import base_parameters
+from harness.diagnosis.moves.classify import classify
 from harness.diagnosis.pipeline import fit_base
+from harness.diagnosis.prepare.driven import is_driven
 from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.estimate.result import Estimate, Estimation
 from harness.estimate.saturation import without_limited
 from harness.io.options import ReadOptions
-from harness.results.common import P
+from harness.model.model import Restoring
+from harness.results.common import MotionResult, P
 from harness.results.diagnosis import FitResult
 from harness.results.identify import IdentifyResult, Swing
 from harness.show.report.identify import identify_page, recording_scene
@@ -170,11 +173,16 @@ def result_of(
 
     Raises InputError as ``estimate`` does, and where nothing swings or channels are not of one motion.
     """
+    moves = classify(recording, Restoring.PENDULUM if restoring == "pendulum" else None)
+    if not is_driven(recording):
+        moves.refuse(recording.file)
+    recording, chosen = moves.part(recording)
     estimation = estimate(recording, restoring)
     fit, motion, warnings = _based(without_limited(recording)[0], restoring, estimation, command)
-    noted = [NOTE] if restoring == "pendulum" else []
+    noted = [*chosen, *([moves.wanted] if moves.wanted else []), *([NOTE] if restoring == "pendulum" else [])]
     result = IdentifyResult(
         recording=recording_info(recording, estimation.noise),
+        motion=MotionResult.taken_from(moves, spans_s=moves.spans),
         estimates=estimates_of(estimation),
         sensor_phase_rad=P.of(estimation.sensor_phase),
         restoring=restoring,

@@ -8,12 +8,15 @@ import numpy as np
 from harness.app.shared.deliver import write_text
 from harness.core.errors import InputError
 from harness.core.recording import Recording
+from harness.diagnosis.moves.classify import classify
 from harness.io.logs.finish import Gain
 from harness.io.logs.raw import LogOptions
 from harness.io.logs.read import describe_log, source_of
 from harness.io.logs.read import read_joint_log as read
 from harness.io.options import ReadOptions, unit_of_channel
 from harness.io.recording import read_recording
+from harness.model.model import Restoring
+from harness.results.common import MotionResult
 from harness.results.robot import LogResult, PreviewResult, Topic
 from harness.show.report.page import render
 from harness.show.report.recording import recording_page
@@ -54,6 +57,12 @@ def log(path: Path, options: LogOptions | None = None, gain: Gain | None = None,
     return LogResult(file=str(path.absolute()), topics=topics, recording=shown)
 
 
+def motion(recording: Recording, restoring: str | None = None) -> MotionResult:
+    """What kind of motion a recording holds. restoring : what pulls it back, where that is known."""
+    moves = classify(recording, None if restoring is None else Restoring(restoring))
+    return MotionResult.taken_from(moves, spans_s=moves.spans)
+
+
 def preview(recording: Recording) -> PreviewResult:
     """A recording as it was read."""
     spans = {name: np.array_split(y, min(_SPANS, y.size)) for name, y in recording.channels.items()}
@@ -67,5 +76,6 @@ def preview(recording: Recording) -> PreviewResult:
         first={name: values[:_ROWS].tolist() for name, values in columns.items()},
         ranges={name: [float(y.min()), float(y.max())] for name, y in recording.channels.items()},
         envelope={name: [[float(p.min()), float(p.max())] for p in parts] for name, parts in spans.items()},
+        motion=motion(recording),
         notes=list(recording.notes),
     )

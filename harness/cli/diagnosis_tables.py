@@ -9,7 +9,7 @@ from harness.cli.output import figure, say, say_all, say_as_it_is, say_paste, sh
 if TYPE_CHECKING:
     from harness.app.diagnose.many import Many
     from harness.results.change import ChangeResult
-    from harness.results.common import RepeatedResult
+    from harness.results.common import MotionResult, RepeatedResult
     from harness.results.diagnosis import AttributionResult, DiagnosisResult, PredictionResult
     from harness.results.fleet import FleetResult
     from harness.results.robot import RobotResult, SimulatedResult
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 def say_diagnosis(result: "DiagnosisResult") -> None:
     """One diagnosis: the sentence, both fits, what was named, and what stands beside it."""
+    say_motion(result.motion)
     say_all(result.recording.notes)
     say(result.statement)
     _fits(result)
@@ -54,6 +55,12 @@ def say_diagnosis(result: "DiagnosisResult") -> None:
         _shares(result.attribution)
     say_all([*filter(None, [result.next_experiment]), *result.warnings])
     say_as_it_is(f"report: {result.files['report']}")
+
+
+def say_motion(found: "MotionResult | None") -> None:
+    """Its kind, why, and what would tell more, in a line."""
+    if found is not None:
+        say(f"motion: {found.kind}, {found.reason}{'; ' if found.wanted else ''}{found.wanted}")
 
 
 def _robot(found: "RobotResult") -> None:

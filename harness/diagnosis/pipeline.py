@@ -32,11 +32,13 @@ from harness.diagnosis.grading.posterior import of_contest, of_search, probabili
 from harness.diagnosis.inverse_dynamics.prepare import as_it_acts, forces_together, with_covariates, with_unseen_mass
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.known import kind_of
+from harness.diagnosis.moves.classify import classify
+from harness.diagnosis.moves.kinds import MotionKind, Moves
 from harness.diagnosis.outcome import Grade, Holdout, Outcome, Tried
 from harness.diagnosis.prepare.curve import curve_problem
 from harness.diagnosis.prepare.driven import driven_problem, is_driven
 from harness.diagnosis.prepare.free_decay import free_decay_problem, together
-from harness.diagnosis.prepare.run_down import run_down_problem, runs_down
+from harness.diagnosis.prepare.run_down import run_down_problem
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.request import Asked
@@ -79,15 +81,17 @@ def diagnose(problem: Problem, other: Judge | None = None, seconds: float = USUA
     )
 
 
-def prepare(recording: Recording, asked: Asked) -> tuple[Problem, tuple[str, ...]]:
+def prepare(recording: Recording, asked: Asked, moves: Moves | None = None) -> tuple[Problem, tuple[str, ...]]:
     """A recording as a problem, and what was done to it, one sentence each; a driven one may be fitted by its force.
 
-    Raises InputError for options that contradict the recording and for what cannot be diagnosed, SimulationError.
+    moves : what it holds, where that is known. Raises InputError for options that contradict the recording and for what
+    cannot be diagnosed, SimulationError.
     """
     if recording.steady:
         return curve_problem(recording, asked)
     if not is_driven(recording):
-        falls = asked.restoring is Restoring.NONE or runs_down(recording, asked.restoring)
+        moves = moves or classify(recording, asked.restoring)
+        falls = asked.restoring is Restoring.NONE or moves.kind is MotionKind.RUN_DOWN
         return run_down_problem(recording, asked) if falls else free_decay_problem(recording, asked)
     problem, notes = driven_problem(recording, asked)
     if not isinstance(problem, InverseDynamics):
@@ -106,7 +110,7 @@ def prepare_together(recordings: Sequence[Recording], asked: Asked) -> tuple[Pro
     if tables:
         found = f"{tables[0]} is a table of speeds and forces without a time"
         raise InputError("--together", found, "recordings of a motion are accepted")
-    falling = [one.file for one in recordings if not is_driven(one) and runs_down(one, asked.restoring)]
+    falling = [one.file for one in recordings if classify(one, asked.restoring).kind is MotionKind.RUN_DOWN]
     if falling:
         accepted = "swings and driven recordings are accepted; --before A --after B compares run-downs"
         raise InputError("--together", f"{falling[0]} runs down", accepted)

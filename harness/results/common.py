@@ -129,6 +129,18 @@ class Machine(Result):
     seeds: dict[str, int] = Field(default_factory=dict)
 
 
+class MotionResult(Result):
+    """What kind of motion was seen before any fit."""
+
+    kind: Literal[
+        "free-decay", "several-decays", "run-down", "driven", "slow-axis", "held", "steps", "spin-up", "at-rest",
+        "not-mechanical", "friction-curve",
+    ]  # fmt: skip
+    reason: str = Field(description="what of it tells so, in a line")
+    spans_s: list[Span] = Field(default_factory=list, description="of the decays, or of the run-down")
+    wanted: str = Field(default="", description="what recording would tell friction, where this one does not")
+
+
 class RecordingInfo(Result):
     """What was read."""
 

@@ -8,6 +8,7 @@ from harness.results.common import (
     Floats,
     Machine,
     ModelDocument,
+    MotionResult,
     P,
     Paged,
     RecordingInfo,
@@ -304,6 +305,7 @@ class DiagnosisResult(Paged):
     recording: RecordingInfo = Field(description="with --together all of them, laid one behind the other")
     recordings: list[RecordingInfo] = rare("with --together: each", list)
     own: list[OwnResult] = rare("with --together: what each has of its own", list)
+    motion: MotionResult | None = rare("its kind, before any fit; with --together that of the first")
     read: ReadResult | None = rare("of a file that is no .rrd")
     together: dict[str, RepeatedResult] = rare(
         "with --together: the refined model's parameters, fitted to each recording by itself", dict

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from harness.results.common import Machine, P, Paged, RecordingInfo
+from harness.results.common import Machine, MotionResult, P, Paged, RecordingInfo, rare
 from harness.results.diagnosis import FitResult
 from harness.results.run import Estimates
 
@@ -17,6 +17,7 @@ class IdentifyResult(Paged):
 
     schema_: Literal["harness.identify/1"] = Field(default="harness.identify/1", alias="schema")
     recording: RecordingInfo
+    motion: MotionResult | None = rare("its kind, before any fit")
     estimates: dict[str, Estimates]
     sensor_phase_rad: P
     restoring: Swing = Field(default="spring", description="a pendulum is read as the spring that it would be")

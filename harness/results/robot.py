@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field
 
-from harness.results.common import Floats, P, Result, Span, rare
+from harness.results.common import Floats, MotionResult, P, Result, Span, rare
 
 Pair = Annotated[list[str], Field(min_length=2, max_length=2)]
 
@@ -180,6 +180,7 @@ class PreviewResult(Result):
     envelope: dict[str, list[list[float]]] = Field(
         description="by channel, the least and the largest value in each of up to 144 equal spans of the samples"
     )
+    motion: MotionResult
     notes: list[str] = Field(description="what was guessed, mended and left out, one sentence each")
 
 

@@ -18,9 +18,10 @@ from harness.core.quantity import Quantity
 from harness.core.recording import Recording
 from harness.core.telling import listening
 from harness.diagnosis.change import INERTIA, Compared, Number, compared, laws_of
+from harness.diagnosis.moves.classify import classify
+from harness.diagnosis.moves.kinds import MotionKind
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.pipeline import diagnose as conclude
-from harness.diagnosis.prepare.run_down import runs_down
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.forces_together import ForcesTogether
 from harness.diagnosis.problems.together import Together
@@ -89,7 +90,8 @@ class _Ready:
 
         Raises InputError for recordings of several kinds.
         """
-        one_by_one = [one.steady or ("u" not in one and runs_down(one, options.restoring)) for one in recordings]
+        alone = (MotionKind.RUN_DOWN, MotionKind.FRICTION_CURVE)
+        one_by_one = [classify(one, options.restoring).kind in alone for one in recordings]
         if any(one_by_one):
             found = [prepared(one, options) for one in recordings]
             kinds = {type(one.problem) for one in found}

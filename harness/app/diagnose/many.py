@@ -20,6 +20,8 @@ from harness.app.shared.reading import read_as, read_runs
 from harness.app.shared.rows import folder_of, resumable, worked
 from harness.core.errors import HarnessError, InputError, StoreError
 from harness.core.writing import sweep
+from harness.diagnosis.moves.classify import classify
+from harness.diagnosis.moves.kinds import decays_of
 from harness.io.logs.read import source_of
 from harness.io.recording import sha256
 from harness.io.store import held, write_text
@@ -104,7 +106,7 @@ def diagnose_together(
     """
     progress("reading", 0, STEPS)
     runs = (read_runs(label, path, options.reading, options.trace) for path, label in named)
-    recordings = [one for each in runs for one in each]
+    recordings = [one for each in runs for run in each for one in decays_of(run, classify(run, options.restoring))]
     return deliver(recordings, options, out, "together", progress, command)
 
 

@@ -66,6 +66,7 @@ def investigate(
     # a fit tries values far out, sees that they overflow, and turns back: nothing to tell anybody
     with np.errstate(over="ignore", invalid="ignore"), listening(progress), errors_of(recording):
         ready = prepared(recording, options)
+        recording = ready.recording
         other, user = validation(recording, options), Configured.of(options, recording)
         outcome = conclude(ready.problem, None if other is None else other.judge, options.seconds)
     progress("engines and attribution", 2, STEPS)

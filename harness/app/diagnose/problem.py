@@ -13,15 +13,15 @@ import numpy as np
 
 from harness.app.diagnose.options import DiagnoseOptions, Zero
 from harness.app.shared.reading import read
-from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
 from harness.diagnosis.alignment.consistency import Consistency, consistency
 from harness.diagnosis.alignment.match import as_kind_of
 from harness.diagnosis.baseline.base_fit import dominant_frequency
-from harness.diagnosis.baseline.swing_seen import FEWEST_HALF_CYCLES
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.known import kind_of
+from harness.diagnosis.moves.classify import classify
+from harness.diagnosis.moves.kinds import Moves
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.pipeline import prepare, prepare_together
 from harness.diagnosis.prepare.driven import is_driven
@@ -30,8 +30,6 @@ from harness.diagnosis.request import Asked
 from harness.model.model import Restoring
 from harness.results.diagnosis import ForceError, ValidationResult
 
-_SWING = 0.03
-"""Smallest swing that counts as a half-cycle, as a share of the channel's range."""
 _RAIL, _RAILS = 0.15, 0.6
 """Share of the samples at each end of a saturated channel's range, and at both together."""
 _SUSPECT = 1.1
@@ -40,7 +38,7 @@ _SUSPECT = 1.1
 
 @dataclass(frozen=True, slots=True)
 class Prepared:
-    """A recording ready to be diagnosed.
+    """A recording ready to be diagnosed; of several, the first. moves : what it holds.
 
     notes : what was done to it. warnings : what looks wrong with it. channels : what each pair says of the other.
     """
@@ -49,6 +47,8 @@ class Prepared:
     notes: tuple[str, ...]
     warnings: tuple[str, ...]
     channels: tuple[Consistency, ...]
+    recording: Recording
+    moves: Moves
 
 
 def prepared(recording: Recording, options: DiagnoseOptions) -> Prepared:
@@ -67,9 +67,13 @@ def prepared(recording: Recording, options: DiagnoseOptions) -> Prepared:
     asked = Asked(
         options.restoring, options.zero_free, options.mass, options.horizon, options.covariates, options.guarded
     )
-    problem, notes = prepare(recording, asked)
+    moves = classify(recording, asked.restoring)
+    moves.refuse(recording.file)
+    recording, chosen = moves.part(recording)
+    problem, notes = prepare(recording, asked, moves)
     channels, warnings = _channels(recording, problem)
-    return Prepared(problem, notes, warnings, channels)
+    warnings = (*warnings, moves.wanted) if moves.wanted else warnings
+    return Prepared(problem, (*chosen, *notes), warnings, channels, recording, moves)
 
 
 def prepared_together(recordings: Sequence[Recording], options: DiagnoseOptions) -> Prepared:
@@ -78,9 +82,13 @@ def prepared_together(recordings: Sequence[Recording], options: DiagnoseOptions)
         _refuse(one)
     asked = Asked(options.restoring, options.zero_free, options.mass, guarded=options.guarded)
     problem, notes = prepare_together(recordings, asked)
+    all_moves = [classify(one, asked.restoring) for one in recordings]
+    for one, moves in zip(recordings, all_moves, strict=True):
+        moves.refuse(one.file)
     each = [_channels(one, alone) for one, alone in zip(recordings, problem.alone, strict=True)]
     warnings = [f"{one.file}: {line}" for one, (_, said) in zip(recordings, each, strict=True) for line in said]
-    return Prepared(problem, notes, tuple(warnings), next((channels for channels, _ in each if channels), ()))
+    channels = next((channels for channels, _ in each if channels), ())
+    return Prepared(problem, notes, tuple(warnings), channels, recordings[0], all_moves[0])
 
 
 def _refuse(recording: Recording) -> None:
@@ -104,15 +112,9 @@ def _refuse(recording: Recording) -> None:
 def _channels(recording: Recording, problem: Problem) -> tuple[tuple[Consistency, ...], tuple[str, ...]]:
     """What each pair of channels says of the other, and sentences on units and scales that look wrong.
 
-    Raises InputError for a free decay of fewer than three half-cycles, and for channels that are not of one motion.
+    Raises InputError for channels that are not of one motion.
     """
-    name, y = next(iter(problem.channels.items()))
-    if problem.returns and not is_driven(recording):
-        count = _half_cycles(y, problem.noise[name].sigma)
-        if count < FEWEST_HALF_CYCLES:
-            what = f"{count} half-cycle{'' if count == 1 else 's'}"
-            accepted = f"at least {FEWEST_HALF_CYCLES} are accepted"
-            raise InputError(f"{recording.file}: channel {name}", what, accepted)
+    y = next(iter(problem.channels.values()))
     omega = dominant_frequency(problem.t, y) if problem.scales is None else problem.scales.omega
     if not 0.0 < omega < 1e300:
         return (), ()
@@ -133,21 +135,6 @@ def _turned(recording: Recording, channel: str) -> str:
     columns = {c: f"-1*{of}" if c == channel else of for c, of in recording.columns.items()}
     told = ",".join(f"{c}={of}" for c, of in columns.items()) or f"{channel}=-1*{channel}"
     return f"try: --columns {shlex.quote(told)}"
-
-
-def _half_cycles(y: FloatArray, sigma: float) -> int:
-    """Swings of a channel (n,) between turning points, those larger than 3 % of its range and than the noise."""
-    swing = max(_SWING * float(np.ptp(y)), 6.0 * sigma)
-    count, sign = 0, 0
-    low = high = float(y[0])
-    for value in y.tolist():
-        if sign <= 0 and value > low + swing:
-            count, sign, high = count + 1, 1, value
-        elif sign >= 0 and value < high - swing:
-            count, sign, low = count + 1, -1, value
-        # while it rises only its top matters, and the other way round
-        low, high = min(low, value), max(high, value)
-    return count
 
 
 @contextmanager

@@ -28,7 +28,7 @@ from harness.diagnosis.outcome import Mechanism, Outcome, Prediction, Surface, T
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.tables.describe import gauge_of
 from harness.model.document import to_document
-from harness.results.common import Where
+from harness.results.common import MotionResult, Where
 from harness.results.compare import ChannelPair
 from harness.results.diagnosis import (
     DiagnosisResult,
@@ -93,6 +93,7 @@ def result_of(
     return DiagnosisResult.taken_from(
         outcome,
         recording=info.model_copy(update={"notes": notes}),
+        motion=MotionResult.taken_from(prepared.moves, spans_s=prepared.moves.spans),
         read=_read(recording, options),
         statement=sentence_of(outcome, shared.has),
         baseline=_fit_result(base, outcome, outcome.base_parameters),

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from harness.cli.diagnosis_tables import say_motion
 from harness.cli.options import PATH, output_options, reading_options, trace_option
 from harness.cli.output import Output, say, say_all, say_as_it_is, show_rows, this_line, with_error
 from harness.core.bounded import check_file
@@ -57,6 +58,7 @@ def command(recording: Path, restoring: "Swing", reading: dict[str, Any], trace:
 def _print(result: "IdentifyResult") -> None:
     found = result.recording
     say(f"{found.file}: {found.samples} samples of {', '.join(found.channels)} at {found.rate_hz:.4g} Hz")
+    say_motion(result.motion)
     refused, rows = [], []
     for method, estimate in result.estimates.items():
         numbers = (estimate.omega_n, estimate.zeta, estimate.x_k)

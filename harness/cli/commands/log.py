@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from harness.cli.diagnosis_tables import say_motion
 from harness.cli.options import PATH, json_options, log_options
 from harness.cli.output import Output, figure, say, say_all, say_as_it_is, show_rows
 from harness.core.errors import InputError
@@ -59,6 +60,7 @@ _ROWS, _DOTS = 4, 4
 
 def _recording(found: "PreviewResult") -> None:
     say(f"{found.samples} samples at {found.rate_hz:.4g} Hz, {found.duration_s:.4g} s")
+    say_motion(found.motion)
     names = list(found.units)
     rows = [[f"{found.first[name][k]:.6g}" for name in names] for k in range(len(found.first["t"]))]
     rows.append([found.columns.get(name, "--rate") for name in names])

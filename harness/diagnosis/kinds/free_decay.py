@@ -10,7 +10,6 @@ from dataclasses import replace
 from harness.core.errors import InputError, SimulationError
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.baseline.stamps import stamped
-from harness.diagnosis.baseline.swing_seen import refuse_no_swing
 from harness.diagnosis.covariates.following import allowing, enter
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.rmse import only_started
@@ -134,12 +133,8 @@ def _alone(based: Based[FreeDecay]) -> tuple[str, ...]:
 
 
 def based(problem: P) -> Based[P]:
-    """A free decay, or several, with the base model and the noise that it leaves; in means where very long.
-
-    Raises InputError where nothing swings.
-    """
+    """A free decay, or several, with the base model and the noise that it leaves; in means where very long."""
     short, base, scales = shortened(problem)
-    refuse_no_swing(base, short)
     late = stamped(problem, base.model, scales)
     if late is not problem:
         problem = late

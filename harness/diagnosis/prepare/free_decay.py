@@ -21,15 +21,11 @@ from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.request import Asked
 from harness.estimate.noise import channel_noise
-from harness.estimate.reversals import Grows, Kind, NoDecay, find_half_cycles
+from harness.estimate.reversals import Kind, NoDecay, find_half_cycles
 from harness.estimate.saturation import believed
 from harness.model.model import Restoring
 
 _KINDS = {"x": Kind.DISPLACEMENT, "v": Kind.VELOCITY, "a": Kind.ACCELERATION}
-_GROWS = (
-    "the swing grows, which friction never makes it do: a second mass swings along, or something pushes, and its force,"
-    " recorded as u, would tell"
-)
 _REST = 1.0
 """How long a rest is kept after the last half-cycle, in times of the decay: it says where the slider stays."""
 
@@ -80,8 +76,6 @@ def _in_motion(recording: Recording, restoring: Restoring) -> _Moving:
     noise = channel_noise(t, y)
     try:
         found = find_half_cycles(t, y, _KINDS[channel], noise)
-    except Grows:
-        return _Moving(recording, (_GROWS,))
     except NoDecay:
         return _Moving(recording)
     begin, end, notes = 0, t.size, []

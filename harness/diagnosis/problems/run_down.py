@@ -60,12 +60,8 @@ class Course:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunDown(Problem):
-    """See Problem; of x or v, or both.
+    """See Problem; of x or v, or both."""
 
-    sure : whether somebody says that nothing pulls it back.
-    """
-
-    sure: bool = False
     restoring: Restoring = Restoring.NONE
     returns: ClassVar[bool] = False
 

@@ -1,0 +1,1 @@
+"""What kind of motion a recording holds, told before anything is fitted."""

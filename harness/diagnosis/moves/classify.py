@@ -1,0 +1,103 @@
+"""The kind of a motion from its numbers alone, before any fit: harness.diagnosis.moves.kinds."""
+
+import numpy as np
+
+from harness.core.recording import Recording
+from harness.diagnosis.moves.falling import creeps, falls, rises
+from harness.diagnosis.moves.kinds import MotionKind, Moves
+from harness.diagnosis.moves.places import Places, relaxes, steady
+from harness.diagnosis.moves.series import SMOOTH, Series
+from harness.diagnosis.moves.swings import FEWEST_HALF_CYCLES, Swings
+from harness.model.model import Restoring
+
+_SHORT = 0.03
+"""Of the time, after which noise about a level has forgotten where it was."""
+_STAYS, _DIRECT = 0.35, 1.58
+"""Share of the time at places, and way over distance between them, of what is sent there: what is let go swings on."""
+_OR_NOT = ", as a sensor drifts (--restoring none reads it as a run-down)"
+_HELD = 0.5
+_LARGE, _COVERED = 0.15, 0.6
+"""First half-swing of a decay, of the largest, and share of the way that decays take."""
+
+
+def classify(recording: Recording, restoring: Restoring | None = None) -> Moves:
+    """What a recording holds. restoring : what somebody says that pulls it back.
+
+    One channel tells: x where there is one, else v, else a.
+    """
+    if recording.steady:
+        return Moves(MotionKind.FRICTION_CURVE, "speeds that were held, with the forces that held them", forced=True)
+    name = next(c for c in ("x", "v", "a") if c in recording)
+    series = Series.of(recording.t, recording[name])
+    if "u" in recording and np.any(recording["u"] != 0.0):
+        return _forced(series, name)
+    free = restoring in (None, Restoring.NONE) and name != "a"
+    if free and (span := falls(recording)) is not None:
+        part, told = slice(*span), "v" in recording or restoring is not None
+        if not told and creeps(recording.t[part], recording["x"][part]):
+            return Moves(MotionKind.NOT_MECHANICAL, f"no dry friction stops what creeps to a level{_OR_NOT}")
+        ends = float(recording.t[span[0]]), float(recording.t[span[1] - 1])
+        return Moves(MotionKind.RUN_DOWN, "its speed keeps one sign and falls", (ends,))
+    if free and rises(recording):
+        return Moves(MotionKind.SPIN_UP, "its speed keeps one sign and rises")
+    return _unsmooth(series) or (_placed(series, free) if name == "x" else None) or _swung(series)
+
+
+def _forced(series: Series, name: str) -> Moves:
+    if not series.smooth:
+        return Moves(MotionKind.HELD, f"a force acts, and {name} does not move beyond its noise", forced=True)
+    if name == "x" and steady(series):
+        return Moves(MotionKind.SLOW_AXIS, "a force acts, and it goes at one speed between its turns", forced=True)
+    return Moves(MotionKind.DRIVEN, "a force that was recorded acts", forced=True)
+
+
+def _unsmooth(series: Series) -> Moves | None:
+    """What no mass does."""
+    how = f"changes grow with the time to the power {series.power:.2g}, of a mass with {SMOOTH:.2g} to 1"
+    if series.jumps > 1:
+        return Moves(MotionKind.NOT_MECHANICAL, f"{series.jumps} jumps within a sample")
+    if series.smooth:
+        return None
+    if series.memory <= _SHORT:
+        return Moves(MotionKind.AT_REST, f"noise about a level ({how})")
+    return Moves(MotionKind.NOT_MECHANICAL, f"it wanders as nothing does that has a mass ({how})")
+
+
+def _placed(series: Series, free: bool) -> Moves | None:
+    """What goes from place to place, or at one speed, where nothing pulls it back; what comes to a level."""
+    if relaxes(series):
+        return Moves(MotionKind.NOT_MECHANICAL, f"an exponential towards a level{_OR_NOT}")
+    if not free:
+        return None
+    if steady(series):
+        return Moves(MotionKind.SLOW_AXIS, "one speed between its turns")
+    places = Places.of(series)
+    if places.detour >= _DIRECT or places.share < _STAYS:
+        return None
+    count, share = len(places.levels), f"{100.0 * places.share:.0f} % of the time"
+    if count > 2:
+        return Moves(MotionKind.STEPS, f"{share} at {count} places in turn, and straight from one to the next")
+    return Moves(MotionKind.HELD, f"{share} at one place, to which it was brought") if places.share > _HELD else None
+
+
+def _swung(series: Series) -> Moves:
+    """Decays, or what goes on."""
+    swings = Swings.of(series)
+    count = len(swings)
+    if count < FEWEST_HALF_CYCLES:
+        few = f"{count} half-cycle{'' if count == 1 else 's'}, fewer than {FEWEST_HALF_CYCLES}"
+        return Moves(MotionKind.NOT_MECHANICAL, few)
+    decays = [one for one in swings.decays() if one.size[0] >= _LARGE * float(np.max(swings.size))]
+    covered = sum(one.path for one in decays) / swings.path
+    spans = tuple((float(one.t[0]), float(one.t[-1])) for one in decays)
+    if decays and covered >= _COVERED:
+        first, last = decays[0].size[0], decays[0].size[-1]
+        if len(decays) == 1:
+            said = f"{len(decays[0])} half-cycles, from the first to the last {last / first:.2g} of its size"
+            return Moves(MotionKind.FREE_DECAY, said, spans)
+        if swings.broken >= len(decays) - 1:
+            said = f"{len(decays)} times let go, and smaller with each half-cycle"
+            return Moves(MotionKind.SEVERAL_DECAYS, said, spans)
+    if not swings.even and len(swings) < 2 * FEWEST_HALF_CYCLES:
+        return Moves(MotionKind.NOT_MECHANICAL, f"{count} half-cycles at uneven times")
+    return Moves(MotionKind.DRIVEN, f"{count} half-cycles that do not become smaller one after another")

@@ -1,0 +1,139 @@
+"""One channel as a classifier looks at it: even in time, without spikes, and what its size and smoothness say.
+
+What has a mass moves smoothly: over short times its places change in proportion to the time, those of noise not at all,
+those of a walk, a switch or a phase that wraps with its root.
+"""
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.estimate.noise import channel_noise
+
+_STRAYS, _FAR = 1.0, 0.5
+"""Times the range of its neighbours by which a sample strays; and of the whole range, from which a change is a jump."""
+_LOWEST, _BESIDE, _STANDS_OUT = 3, 48, 40.0
+"""First frequency of a spectrum that is looked at, frequencies beside one, and times their median at which it is a
+swing's: the largest of 50,000 of noise is 16."""
+_QUARTERS = 4.0
+"""Of a period, in one of which a swing changes one way."""
+_WIDTHS, _LEAST = 3.0, 200
+"""Means that it takes to smooth while a channel changes; samples that are left at least."""
+_FEWEST, _NO_LONGER = 48, 0.5
+"""Means that are compared, and the power from which on a change no longer grows with the time."""
+SMOOTH = 0.76
+"""Power of the time with which what has a mass moves at least: 1, and .79 at six samples a cycle; a walk has .5."""
+
+
+@dataclass(frozen=True, slots=True)
+class Series:
+    """t, y (n,) : even in time, s, and smoothed over a part of a turn; lightly : less. left : noise that the former
+    leaves.
+
+    power : of the time with which the channel changes, at its largest. memory : share of the recording after which it
+    has forgotten where it was. jumps : how often it goes from one place to another within a sample. line : whether it
+    swings at a frequency, under noise that hides how it grows.
+    """
+
+    t: FloatArray
+    y: FloatArray
+    lightly: FloatArray
+    left: float
+    power: float
+    memory: float
+    jumps: int
+    line: bool
+
+    @property
+    def smooth(self) -> bool:
+        """Whether it can be the motion of something that has a mass."""
+        return self.power >= SMOOTH or self.line
+
+    @property
+    def span(self) -> float:
+        """Range without the few samples furthest out."""
+        low, high = np.quantile(self.y, (0.001, 0.999))
+        return float(high - low)
+
+    @classmethod
+    def of(cls, t: FloatArray, y: FloatArray) -> "Series":
+        """Of a channel y (n,) at t (n,), s."""
+        sigma = channel_noise(t, y).sigma
+        grid = np.linspace(t[0], t[-1], t.size)
+        even = _without_spikes(np.interp(grid, t, y))
+        power, lag = _grows(even)
+        swing = None if power >= SMOOTH else _line(even)
+        lag = lag if swing is None else swing / _QUARTERS
+        width = max(int(lag / _WIDTHS), 1) | 1
+        smooth = _mean(_mean(even, width), width)
+        thin = max(min(width // 2, even.size // _LEAST), 1)
+        left = sigma / math.sqrt(1.5 * width)
+        lightly = _mean(even, width // 4 | 1)
+        return cls(
+            grid[::thin], smooth[::thin], lightly[::thin], left, power, _memory(even), _jumps(even), swing is not None
+        )
+
+
+def _without_spikes(y: FloatArray) -> FloatArray:
+    """Samples (n,) that stray alone put between their neighbours: what lies far outside both sides of them."""
+    before, after = np.maximum(y[:-4], y[1:-3]), np.maximum(y[3:-1], y[4:])
+    top = np.maximum(before, after)
+    bottom = np.minimum(np.minimum(y[:-4], y[1:-3]), np.minimum(y[3:-1], y[4:]))
+    out, room = y.copy(), _STRAYS * (top - bottom)
+    out[2:-2] = np.where((y[2:-2] > top + room) | (y[2:-2] < bottom - room), 0.5 * (y[1:-3] + y[3:-1]), y[2:-2])
+    return out
+
+
+def _line(y: FloatArray) -> float | None:
+    """The period, samples, at which y (n,) swings; None where no frequency stands out from those beside it."""
+    steps = np.diff(y)
+    power = np.abs(np.fft.rfft((steps - steps.mean()) * np.hanning(steps.size))) ** 2
+    blocks = [np.median(part) for part in np.array_split(power[_LOWEST:], max(power.size // _BESIDE, 1))]
+    about = np.interp(np.arange(power.size), (np.arange(len(blocks)) + 0.5) * _BESIDE + _LOWEST, blocks)
+    over = power / np.maximum(about, 1e-300)
+    best = _LOWEST + int(np.argmax(over[_LOWEST:]))
+    return steps.size / best if over[best] > _STANDS_OUT else None
+
+
+def _memory(y: FloatArray) -> float:
+    """The time, as a share of the whole, after which y (n,) has changed by half of what it ever does, in squares."""
+    lags = np.unique(np.geomspace(1, y.size // 4, 30).astype(np.int64))
+    change = np.array([float(np.mean((y[k:] - y[:-k]) ** 2)) for k in lags])
+    return float(lags[np.flatnonzero(change >= 0.5 * change.max())[0]]) / y.size
+
+
+def _jumps(y: FloatArray) -> int:
+    """How often neighbours of y (n,) lie half of its range apart, and what follows stays there."""
+    change = np.abs(np.diff(y))
+    far = np.flatnonzero(change > _FAR * np.ptp(y))
+    far = far[(far > 4) & (far < y.size - 6)]
+    stays = [np.ptp(y[i + 1 : i + 6]) < 0.5 * change[i] and np.ptp(y[i - 4 : i + 1]) < 0.5 * change[i] for i in far]
+    return sum(stays) if 2 * sum(stays) >= far.size else 0
+
+
+def _mean(y: FloatArray, width: int) -> FloatArray:
+    """Running mean over ``width`` (odd) samples, shorter at the ends."""
+    half, i = width // 2, np.arange(y.size)
+    total = np.concatenate(([0.0], np.cumsum(y)))
+    low, high = np.maximum(i - half, 0), np.minimum(i + half + 1, y.size)
+    mean: FloatArray = (total[high] - total[low]) / (high - low)
+    return mean
+
+
+def _grows(y: FloatArray) -> tuple[float, float]:
+    """The largest power of the time with which changes of y (n,) grow, and the time, samples, up to which they do.
+
+    By means of neighbours, in which noise is less: over two of them against over four.
+    """
+    powers, size = [], 1
+    while y.size // size >= _FEWEST:
+        means = y[: y.size // size * size].reshape(-1, size).mean(axis=1)
+        over = [float(np.mean((means[k:] - means[:-k]) ** 2)) for k in ((1, 2, 4) if size == 1 else (2, 4))]
+        powers += [0.5 * math.log2(max(b, 1e-300) / max(a, 1e-300)) for a, b in pairwise(over)]
+        size *= 2
+    best = int(np.argmax(powers))
+    ends = [i for i in range(best, len(powers)) if powers[i] < _NO_LONGER]
+    return powers[best], 2.0 ** (ends[0] if ends else len(powers))

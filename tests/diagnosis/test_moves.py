@@ -1,0 +1,118 @@
+"""The kind of a motion, told before any fit: closed forms of each, under a sensor's noise."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import harness
+from harness.cli.main import run
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
+from harness.core.recording import Recording
+
+T = np.arange(0.0, 20.0, 0.01)
+W = 2.0 * np.pi
+
+
+def noisy(channel: str, y: FloatArray, share: float = 2e-3, **beside: FloatArray) -> Recording:
+    random = np.random.default_rng(8)
+    shown = y + share * np.ptp(y) * random.standard_normal(y.size)
+    return Recording(0.01 * np.arange(0.0, y.size), {channel: shown, **beside}, "rig.csv")
+
+
+def decay(t: FloatArray) -> FloatArray:
+    y: FloatArray = np.exp(-0.2 * t) * np.cos(W * t)
+    return y
+
+
+def again(times: int) -> FloatArray:
+    """Let go, left to rest, brought back by hand and held, and let go."""
+    reach = 0.5 - 0.5 * np.cos(np.pi * np.arange(0.0, 1.0, 0.01))
+    one = np.concatenate((reach, np.ones(130), decay(T[:1500]) * (T[:1500] < 14.0)))
+    return np.concatenate([decay(T[:1500]), *[one] * (times - 1)])
+
+
+def staircase(t: FloatArray) -> FloatArray:
+    """A place every four seconds, reached without overshoot."""
+    levels = np.array([0.0, 1.0, 0.3, 0.9, -0.4])
+    at = np.minimum((t // 4.0).astype(int), 4)
+    since = t - 4.0 * at
+    left = (1.0 + 8.0 * since) * np.exp(-8.0 * since)
+    y: FloatArray = levels[at] + (levels[np.maximum(at - 1, 0)] - levels[at]) * left
+    return y
+
+
+def walk() -> FloatArray:
+    return np.cumsum(np.random.default_rng(3).standard_normal(2000))
+
+
+CASES: dict[str, Callable[[], Recording]] = {
+    "free-decay": lambda: noisy("x", decay(T)),
+    "several-decays": lambda: noisy("x", again(3)),
+    "run-down": lambda: noisy("v", np.maximum(20.0 - 1.5 * T, 0.0)),
+    "driven": lambda: noisy("x", np.cos(W * T), u=np.cos(W * T + 1.0)),
+    "slow-axis": lambda: noisy("x", np.abs((T % 8.0) - 4.0)),
+    "held": lambda: noisy("x", np.interp(T, [0.0, 2.0, 3.0, 20.0], [0.0, 0.0, 1.0, 1.0])),
+    "steps": lambda: noisy("x", staircase(T)),
+    "spin-up": lambda: noisy("v", 30.0 * (1.0 - np.exp(-T / 6.0))),
+    "at-rest": lambda: noisy("a", np.random.default_rng(1).standard_normal(2000), 0.0),
+    "not-mechanical": lambda: noisy("x", walk()),
+}
+
+
+@pytest.mark.parametrize("kind", CASES)
+def test_a_motion_is_told_and_why(kind: str) -> None:
+    found = harness.motion(CASES[kind]())
+    assert found.kind == kind
+    assert found.reason
+    assert bool(found.wanted) == (kind in ("slow-axis", "held", "steps", "spin-up", "at-rest", "not-mechanical"))
+
+
+@pytest.mark.parametrize("kind", ["slow-axis", "held", "steps", "spin-up", "at-rest", "not-mechanical"])
+def test_what_tells_no_friction_is_refused_with_what_would(kind: str) -> None:
+    with pytest.raises(InputError) as told:
+        harness.diagnose(CASES[kind]())
+    assert kind in str(told.value)
+    assert harness.motion(CASES[kind]()).wanted in str(told.value)
+
+
+@pytest.mark.parametrize("kind", ["free-decay", "run-down", "spin-up", "at-rest", "not-mechanical", "steps"])
+def test_unit_clock_and_sign_change_no_kind(kind: str) -> None:
+    one = CASES[kind]()
+    other = Recording(1.7e9 + 0.3 * one.t, {c: -1e3 * y for c, y in one.channels.items()}, "rig.csv")
+    assert harness.motion(other).kind == kind
+
+
+def test_a_swing_is_no_run_down_where_a_spring_is_known() -> None:
+    creep = noisy("v", np.maximum(20.0 - 1.5 * T, 0.0))
+    assert harness.motion(creep, restoring="spring").kind != "run-down"
+
+
+def test_several_decays_are_cut_and_each_is_one() -> None:
+    whole = CASES["several-decays"]()
+    spans = harness.motion(whole).spans_s
+    assert len(spans) == 3
+    for low, high in spans:
+        assert harness.motion(whole.cut((whole.t >= low) & (whole.t <= high))).kind == "free-decay"
+
+
+def test_of_several_decays_one_is_identified_and_the_others_are_told() -> None:
+    found = harness.identify(CASES["several-decays"]())
+    zeta = found.estimates["displacement"].zeta
+    assert zeta.value == pytest.approx(0.2 / W, abs=4.0 * (zeta.stderr or 0.0))
+    assert any("3 decays" in line for line in found.warnings)
+
+
+def test_the_terminal_and_json_tell_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "rest.csv"
+    rows = zip(T, np.random.default_rng(2).standard_normal(T.size), strict=True)
+    file.write_text("t,x\n" + "".join(f"{t:.3f},{x:.5f}\n" for t, x in rows))
+    assert run(["log", str(file)]) == 0
+    assert "at-rest" in capsys.readouterr().out
+    assert run(["log", str(file), "--json", "-"]) == 0
+    assert json.loads(capsys.readouterr().out)["recording"]["motion"]["kind"] == "at-rest"
+    assert run(["diagnose", str(file), "--out", str(tmp_path / "out")]) == 2
+    assert not (tmp_path / "out").exists()
