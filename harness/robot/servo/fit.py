@@ -1,0 +1,172 @@
+"""Numbers of a servo's joint from its goals and positions: least squares over free runs, with errors."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import compress
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.fit.autocorrelation import Memory, memory
+from harness.fit.covariance import coloured_covariance
+from harness.fit.least_squares import Bounds, Stop, Until, least_squares
+from harness.robot.servo.plant import NUMBERS, Run
+
+LONGEST = 30.0
+"""s of a free run: an error of its start is forgotten long before, but where a joint rests."""
+_STEP = 2e-3
+"""Of a difference quotient, in ordinary sizes of a number: above the roughness that sticking leaves in a run."""
+_UNTIL = Until(share=1e-3, iterations=30)
+_MOVE = 3.0
+"""Ordinary sizes that a number moves at most in one step."""
+
+
+@dataclass(frozen=True, slots=True)
+class Logs:
+    """Logs of one joint with the samples that count.
+
+    windows : by log, first and last sample + 1 of each free run. known : numbers that are given. torque : N m that is
+    ordinary for it.
+    """
+
+    runs: tuple[Run, ...]
+    windows: tuple[tuple[tuple[int, int], ...], ...]
+    known: Mapping[str, float]
+    torque: float = 1.0
+
+    @classmethod
+    def of(cls, runs: Sequence[Run], known: Mapping[str, float], torque: float = 1.0) -> "Logs":
+        """All of them."""
+        return cls(tuple(runs), tuple(tuple(run.windows(LONGEST)) for run in runs), dict(known), torque)
+
+    def size(self, name: str) -> float:
+        """What is ordinary for a number."""
+        return NUMBERS[name].size * (self.torque if "N m" in NUMBERS[name].unit or "kg" in NUMBERS[name].unit else 1.0)
+
+    def residual(self, values: Mapping[str, float]) -> FloatArray:
+        """Logged less simulated positions (N,), rad, of all windows one behind the other."""
+        everything = {**self.known, **values}
+        parts = []
+        for run, windows in zip(self.runs, self.windows, strict=True):
+            left = run.q - run.simulated(everything, list(windows))
+            parts += [left[first:last] for first, last in windows]
+        return np.concatenate(parts)
+
+    @property
+    def begins(self) -> tuple[int, ...]:
+        """Where each further window begins in a residual."""
+        sizes = [last - first for windows in self.windows for first, last in windows]
+        return tuple(np.cumsum(sizes)[:-1].tolist())
+
+    def split(self, residual: FloatArray) -> list[FloatArray]:
+        """A residual by log."""
+        sizes = [sum(last - first for first, last in windows) for windows in self.windows]
+        return np.split(residual, np.cumsum(sizes)[:-1])
+
+    def part(self, keep: Sequence[Sequence[bool]]) -> "Logs":
+        """Those windows that ``keep`` says, by log; logs without one are left out."""
+        kept = [tuple(compress(windows, own)) for windows, own in zip(self.windows, keep, strict=True)]
+        runs = tuple(compress(self.runs, kept))
+        return Logs(runs, tuple(filter(None, kept)), self.known, self.torque)
+
+
+@dataclass(frozen=True)
+class ServoFit:
+    """Fitted numbers. values : of those in ``free``, the others are known. residual (N,), rad; partials (N, q)."""
+
+    logs: Logs
+    free: tuple[str, ...]
+    values: Mapping[str, float]
+    residual: FloatArray
+    stop: Stop
+
+    @property
+    def squares(self) -> float:
+        return float(self.residual @ self.residual)
+
+    @property
+    def rms(self) -> float:
+        """rad."""
+        return math.sqrt(self.squares / self.residual.size)
+
+    @property
+    def mae(self) -> float:
+        """Mean absolute error, rad, the mean over logs."""
+        return float(np.mean([np.mean(np.abs(part)) for part in self.logs.split(self.residual)]))
+
+    @cached_property
+    def memory(self) -> Memory:
+        """Of the residual, which counts as fewer values than samples."""
+        return memory(self.residual, begins=self.logs.begins)
+
+    @cached_property
+    def errors(self) -> dict[str, float]:
+        """Standard errors of what is free; colour of the residual allowed for. inf for what stands on a bound."""
+        inside = [name for name in self.free if not self.bound(name)]
+        partials = _partials(self.logs, self.values, inside, self.residual)
+        scaled = partials * np.array([self.logs.size(name) for name in inside])
+        lags = min(int(3.0 * self.memory.time), self.residual.size // 10)
+        spread = np.sqrt(np.diag(coloured_covariance(scaled, self.residual, lags, self.logs.begins)))
+        found = {name: float(s) * self.logs.size(name) for name, s in zip(inside, spread, strict=True)}
+        return {name: found.get(name, math.inf) for name in self.free}
+
+    def bound(self, name: str) -> bool:
+        """Whether a number stands on a bound of its own."""
+        return self.values[name] <= NUMBERS[name].lower + 1e-3 * self.logs.size(name) and NUMBERS[name].lower >= 0.0
+
+    def under(self, logs: Logs) -> "ServoFit":
+        """The same numbers on other logs."""
+        return ServoFit(logs, self.free, self.values, logs.residual(self.values), self.stop)
+
+
+@dataclass(frozen=True)
+class _Point:
+    """See least_squares.Point; at : coordinates in ordinary sizes."""
+
+    logs: Logs
+    free: tuple[str, ...]
+    at: FloatArray
+
+    @cached_property
+    def residual(self) -> FloatArray:
+        return self.logs.residual(self.values)
+
+    @property
+    def values(self) -> dict[str, float]:
+        return {name: float(x) * self.logs.size(name) for name, x in zip(self.free, self.at, strict=True)}
+
+    @property
+    def squares(self) -> float:
+        return float(self.residual @ self.residual)
+
+    def normal_equations(self) -> tuple[FloatArray, FloatArray]:
+        partials = _partials(self.logs, self.values, self.free, self.residual)
+        partials *= np.array([self.logs.size(name) for name in self.free])
+        return partials.T @ partials, partials.T @ self.residual
+
+
+def _partials(logs: Logs, values: Mapping[str, float], free: Sequence[str], residual: FloatArray) -> FloatArray:
+    """Partials (N, q) of the positions by numbers, as differences away from a bound."""
+    columns = np.empty((residual.size, len(free)))
+    for i, name in enumerate(free):
+        step = _STEP * logs.size(name)
+        step = -step if values[name] + step > NUMBERS[name].upper else step
+        columns[:, i] = (residual - logs.residual({**values, name: values[name] + step})) / step
+    return columns
+
+
+def fit(logs: Logs, start: Mapping[str, float], until: Until = _UNTIL) -> ServoFit:
+    """The least squares that descend from ``start``, whose names are what is fitted."""
+    free = tuple(start)
+    sizes = np.array([logs.size(name) for name in free])
+    bounds = Bounds(
+        np.array([NUMBERS[name].lower for name in free]) / sizes,
+        np.array([NUMBERS[name].upper for name in free]) / sizes,
+        np.full(len(free), _MOVE),
+    )
+    ended = least_squares(
+        lambda at: _Point(logs, free, at), np.array([start[name] for name in free]) / sizes, until, bounds
+    )
+    return ServoFit(logs, free, ended.point.values, ended.point.residual, ended.stop)

@@ -1,0 +1,210 @@
+"""What a servo's log asks for beside torque, damping and dry friction: terms one after another, by evidence that holds
+on what was not fitted."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.diagnosis.baseline.words import evidence
+from harness.diagnosis.rules import MARGIN
+from harness.fit.least_squares import Until
+from harness.robot.servo.fit import Logs, ServoFit, fit
+
+_GLANCE = Until(share=1e-2, iterations=4)
+_FINALISTS, _MOST_TERMS = 3, 4
+_PARTS = 4
+"""Into which many logs are divided to be held out."""
+_NEAR = 10.0
+"""Evidence by which one term must be worse than another to be ruled out."""
+_ENOUGH = 2.0
+"""Evidence that is positive (Kass and Raftery 1995): enough where what was not fitted confirms it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Term:
+    """A piece of a servo's physics. starts : of its numbers, one set a try, from the fit without it. replaces : numbers
+    of another term that its own take the place of. said : what it is, in words.
+    """
+
+    name: str
+    said: str
+    starts: Callable[[ServoFit], list[dict[str, float]]]
+    replaces: tuple[str, ...] = ()
+    needs: tuple[str, ...] = ()
+
+
+def _strongest(found: ServoFit) -> float:
+    """Largest torque of the motor that a fit asks for, N m."""
+    values = {**found.logs.known, **found.values}
+    most = 0.0
+    for run in found.logs.runs:
+        duty = np.minimum(np.abs(run.goal - run.q) * values["gain"] * run.kp, values.get("limit", math.inf))
+        most = max(most, float(np.max(duty * run.volts * run.on, initial=0.0)) * values["stall"])
+    return most
+
+
+def _fastest_goal(found: ServoFit) -> float:
+    rates = [np.abs(np.diff(run.goal)) / np.diff(run.t) for run in found.logs.runs]
+    return float(max(np.quantile(rate, 0.98) for rate in rates))
+
+
+TERMS = (
+    Term("load-friction", "friction grows with the load on the gears", lambda f: [{"load": x} for x in (0.1, 0.25)]),
+    Term(
+        "load-friction-by-side",
+        "friction grows with the motor's torque otherwise than with the load's",
+        lambda f: [{"load_motor": 0.3, "load_external": 0.08}, {"load_motor": 0.08, "load_external": 0.2}],
+        replaces=("load",),
+    ),
+    Term(
+        "stribeck",
+        "friction is larger at rest",
+        lambda f: [{"f_s": 0.5 * f.values["f_k"] + 0.1 * f.logs.size("f_s"), "v_s": v} for v in (0.1, 0.5)],
+    ),
+    Term(
+        "load-break-away",
+        "friction under the motor's torque is larger at rest",
+        lambda f: [{"load_rest": 0.1, "v_s": v} for v in (0.1, 0.5)],
+    ),
+    Term(
+        "torque-limit",
+        "the current's limit bounds the torque",
+        lambda f: [{"most": x * _strongest(f)} for x in (0.85, 0.6)],
+    ),
+    Term("concave-drive", "torque grows less than the duty", lambda f: [{"concave": x} for x in (0.03, 0.15)]),
+    Term("backlash", "the gears have play", lambda f: [{"backlash": x} for x in (0.005, 0.02)], needs=("link",)),
+    Term("dead-band", "small errors of position have no effect", lambda f: [{"dead": x} for x in (0.002, 0.01)]),
+    Term(
+        "goal-speed-limit", "the servo's own goal moves at most so fast", lambda f: [{"ramp": 0.7 * _fastest_goal(f)}]
+    ),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A term that was put in. gain : evidence for it. rivals : others that would do nearly as well, with by how much
+    they are worse. held_out : mean absolute error of what was not fitted, before and after, rad.
+    """
+
+    term: Term
+    found: ServoFit
+    gain: float
+    rivals: Mapping[str, float]
+    held_out: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Search:
+    """base : torque, damping, inertia and dry friction. steps : what was put in, in order. tried : evidence of every
+    term alone. refused : terms with evidence that what was not fitted does not confirm. blocks : what was held out.
+    """
+
+    base: ServoFit
+    steps: tuple[Step, ...]
+    tried: Mapping[str, float]
+    refused: tuple[str, ...]
+    blocks: tuple[str, ...]
+
+    @property
+    def best(self) -> ServoFit:
+        return self.steps[-1].found if self.steps else self.base
+
+
+def search(logs: Logs, base: ServoFit, progress: Callable[[str], None] = lambda said: None) -> Search:
+    """Terms as long as evidence and what was not fitted ask for them."""
+    folds = held_out(logs)
+    now, steps, refused, tried = base, list[Step](), list[str](), dict[str, float]()
+    out = _errors(folds, now)
+    while len(steps) < _MOST_TERMS:
+        ranked = _ranked(logs, now, {step.term.name for step in steps} | set(refused), progress)
+        if not steps and not refused:
+            tried = {term.name: gain for gain, term, _ in ranked}
+        if not ranked or ranked[0][0] < (_ENOUGH if folds else MARGIN.value):
+            break
+        gain, term, found = ranked[0]
+        after = _errors(folds, found)
+        if _confirmed(out, after):
+            rivals = {other.name: gain - worse for worse, other, _ in ranked[1:] if gain - worse < _NEAR}
+            said = (float(np.mean(out[0])), float(np.mean(after[0])))
+            steps.append(Step(term, found, gain, rivals, said))
+            now, out = found, after
+        else:
+            refused.append(term.name)
+    return Search(base, tuple(steps), tried, tuple(refused), tuple(name for name, _, _ in folds))
+
+
+def _ranked(
+    logs: Logs, now: ServoFit, taken: set[str], progress: Callable[[str], None]
+) -> list[tuple[float, Term, ServoFit]]:
+    """Terms with evidence and fit, best first: all at a glance, the first few to the end."""
+    looked = []
+    linked = all(np.all(run.load[:, 0] > 0.0) for run in logs.runs)
+    for term in TERMS:
+        if term.name in taken or any(need == "link" and not linked for need in term.needs):
+            continue
+        progress(term.name)
+        kept = {name: value for name, value in now.values.items() if name not in term.replaces}
+        tries = [fit(logs, {**kept, **start}, _GLANCE) for start in term.starts(now)]
+        looked.append((min(tries, key=lambda one: one.squares), term))
+    looked.sort(key=lambda one: -_evidence(now, one[0]))
+    ended = [(fit(logs, one.values), term) for one, term in looked[:_FINALISTS]] + looked[_FINALISTS:]
+    return sorted(((_evidence(now, one), term, one) for one, term in ended), key=lambda found: -found[0])
+
+
+def _evidence(before: ServoFit, after: ServoFit) -> float:
+    """By which a fit is better, of as many values as its residual is independent."""
+    more = len(after.free) - len(before.free)
+    words = max(min(before.memory.independent, after.memory.independent) - len(after.free), 2.0)
+    return evidence(before.squares, after.squares, words, more, 1.0)
+
+
+Fold = tuple[str, Logs, Logs]
+
+
+def held_out(logs: Logs) -> list[Fold]:
+    """Name, what is fitted, what is predicted: logs of one gain at a time, else every log, else every second window."""
+    gains = sorted({run.kp for run in logs.runs})
+    count = len(logs.runs)
+    if len(gains) > 2:
+        groups = [[gains.index(run.kp)] * len(windows) for run, windows in zip(logs.runs, logs.windows, strict=True)]
+        names = [f"gain {gain:g}" for gain in gains]
+    elif count > 1:
+        names = [f"logs {k + 1} of {min(count, _PARTS)}" for k in range(min(count, _PARTS))]
+        groups = [[i % len(names)] * len(windows) for i, windows in enumerate(logs.windows)]
+    elif len(logs.windows[0]) > 1:
+        names = ["every second window, from the first", "from the second"]
+        groups = [[j % 2 for j in range(len(logs.windows[0]))]]
+    else:
+        return []
+    return [
+        (
+            name,
+            logs.part([[g != k for g in own] for own in groups]),
+            logs.part([[g == k for g in own] for own in groups]),
+        )
+        for k, name in enumerate(names)
+    ]
+
+
+def _errors(folds: list[Fold], found: ServoFit) -> tuple[list[float], list[float]]:
+    """Mean absolute error, rad, and mean square of every fold by the rest."""
+    own = [fit(rest, found.values).under(out) for _, rest, out in folds]
+    return [one.mae for one in own], [one.squares / one.residual.size for one in own]
+
+
+def _confirmed(before: tuple[list[float], list[float]], after: tuple[list[float], list[float]]) -> bool:
+    """Whether what was not fitted is predicted better, or nothing could be held out."""
+    if not before[1]:
+        return True
+    logs = [math.log(b / a) for b, a in zip(before[1], after[1], strict=True)]
+    return float(np.mean(logs)) > 0.0
+
+
+def base_start(logs: Logs, starts: list[dict[str, float]]) -> ServoFit:
+    """The fit that descends farthest from some starts: all at a glance, the best to the end."""
+    looked = [(float(np.sum(logs.residual(start) ** 2)), i) for i, start in enumerate(starts)]
+    best = sorted(looked)[:2]
+    tries = [fit(logs, starts[i], _GLANCE) for _, i in best]
+    return fit(logs, min(tries, key=lambda one: one.squares).values)
