@@ -41,6 +41,8 @@ _ACCEPTED = {
     "a": "a unit of acceleration such as m/s^2, g, mm/s^2 or rad/s^2",
     "u": "a unit of force, torque or force per mass such as N, lbf, Nm or m/s^2",
     "i": "a unit of current such as A or mA",
+    "e": "a unit of voltage such as V or mV",
+    "n": "no unit",
 }
 _SCALED = {
     "x": '"x=#2*0.01[m]"',
@@ -73,6 +75,8 @@ _BASE = {
         "radian / second ** 2",
     ),
     "i": ("ampere",),
+    "e": ("kilogram * meter ** 2 / ampere / second ** 3",),
+    "n": ("dimensionless",),
 }
 
 

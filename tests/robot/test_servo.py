@@ -36,9 +36,9 @@ def logged(seed: int, seconds: float = 24.0, rate: float = 50.0) -> Run:
         new = v + h * (torque - side * F_K) / (INERTIA + ARMATURE)
         v = 0.0 if new * side < 0.0 else new
         q += h * v
-    q = np.round((np.array(found) + 0.5 * STEP * rng.standard_normal(t.size)) / STEP) * STEP
+    seen = np.round((np.array(found) + 0.5 * STEP * rng.standard_normal(t.size)) / STEP) * STEP
     load = np.tile((INERTIA, GRAVITY, 0.0), (t.size, 1))
-    return Run(t, q, goal, np.full(t.size, VOLTS), np.ones(t.size), load, 16.0)
+    return Run(t, seen, goal, np.full(t.size, VOLTS), np.ones(t.size), load, 16.0)
 
 
 def test_a_servo_s_numbers_come_from_goal_and_position_and_another_motion_is_foretold() -> None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from harness.io.logs.suspicions import called, coarse, degrees, odd_velocity, un
 from harness.io.times import sampling_notes
 
 Gain = float | Mapping[str, float]
+_OF_SERVOS: tuple[Literal["goal", "voltage", "driven"], ...] = ("goal", "voltage", "driven")
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +32,8 @@ class Finished:
 
     def log(self, file: str, sha256: str) -> JointLog:
         """The log; InputError for one that holds too little."""
-        return JointLog(self.t, self.position, self.velocity, self.effort, file, sha256, self.notes)
+        more = {kind: self.beside.get(kind, {}) for kind in _OF_SERVOS}
+        return JointLog(self.t, self.position, self.velocity, self.effort, file, sha256, self.notes, **more)
 
 
 def finished(raw: Raw, file: str, options: LogOptions, gain: Gain | None) -> Finished:
@@ -56,7 +59,7 @@ def finished(raw: Raw, file: str, options: LogOptions, gain: Gain | None) -> Fin
             fields["magnitude"] = {joint: effort[joint] for joint in signless}
             effort = {joint: u for joint, u in effort.items() if joint not in signless}
         notes += [*coarse("velocity", velocity), *coarse("effort", effort), *sampling_notes(raw.t)]
-    kinds: tuple[Field, ...] = ("current", "magnitude")
+    kinds: tuple[Field, ...] = ("current", "magnitude", *_OF_SERVOS)
     beside = {kind: fields[kind] for kind in kinds if fields.get(kind)}
     return Finished(raw.t, position, velocity, effort, beside, tuple(notes))
 
@@ -86,11 +89,13 @@ def _turned(raw: Raw, options: LogOptions) -> Raw:
                 raise one_of(option, joint, have, "joint")
     if options.flip:
         for kind, of in fields.items():
-            fields[kind] = {joint: -values if joint in options.flip else values for joint, values in of.items()}
+            if kind not in ("voltage", "driven"):
+                fields[kind] = {joint: -values if joint in options.flip else values for joint, values in of.items()}
         notes.append(f"Position, velocity and effort of {', '.join(options.flip)} have the other sign (--flip).")
     if options.offset:
-        position = fields["position"]
-        fields["position"] = {joint: values + options.offset.get(joint, 0.0) for joint, values in position.items()}
+        for kind in ("position", "goal"):
+            of = fields.get(kind, {})
+            fields[kind] = {joint: values + options.offset.get(joint, 0.0) for joint, values in of.items()}
         said = ", ".join(f"{value:.4g} to {joint}" for joint, value in options.offset.items())
         notes.append(f"Added to positions: {said} (--offset).")
     return replace(raw, fields=fields, notes=tuple(notes))
@@ -129,7 +134,7 @@ def _logged(raw: Raw) -> Raw:
     notes = list(raw.notes)
     for kind, of in raw.fields.items():
         kept = {joint: y for joint, y in of.items() if not np.all(np.isnan(y))}
-        if kind != "position":
+        if kind not in ("position", *_OF_SERVOS):
             still = [joint for joint, y in kept.items() if np.all(y == 0.0)]
             if still and len(still) == len(kept):
                 notes.append(f"The {_SAID.get(kind, kind)} is 0 throughout: taken as not logged.")
@@ -179,7 +184,7 @@ def _multiplied(raw: Raw, file: str, gain: Gain | None) -> Raw:
 
 def _rows(raw: Raw, file: str, drop_nan: bool) -> Raw:
     """Without rows that lack a value, where that was asked; InputError for the first value that is none, else."""
-    kept = {kind: of for kind, of in raw.fields.items() if kind in ("position", "velocity", "effort")}
+    kept = {kind: of for kind, of in raw.fields.items() if kind in ("position", "velocity", "effort", *_OF_SERVOS)}
     channels = [("t", raw.t, LONGEST_TIME)]
     channels += [(f"{joint}.{kind}", y, LARGEST) for kind, of in kept.items() for joint, y in of.items()]
     notes = raw.notes

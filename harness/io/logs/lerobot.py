@@ -20,8 +20,9 @@ _FIELDS = {
     "observation.velocity": "velocity",
     "observation.effort": "effort",
     "observation.current": "current",
+    "action": "goal",
 }
-"""What the lists of a data set are; ``action`` is what was commanded."""
+"""What the lists of a data set are."""
 EPISODE = "episode_index"
 
 
@@ -112,5 +113,5 @@ def _called(name: str, field: str) -> str:
     """The column of an element: "elbow.pos" says its field itself, "elbow" does not."""
     said = named(name)
     if said is not None and said.style == "named":
-        return f"{said.joint}.{said.field}"
+        return f"{said.joint}.{field if field == 'goal' else said.field}"
     return f"{name}.{field}"

@@ -5,7 +5,7 @@ How columns of a robot's log are named: the words, and the shapes of names that 
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 from harness.core.apart import Found
@@ -15,15 +15,28 @@ from harness.io.columns import ENDINGS, is_commanded
 from harness.io.options import ReadOptions
 from harness.io.units import parse_unit
 
-Field = Literal["position", "velocity", "effort", "current", "magnitude"]
-CHANNEL: dict[Field, str] = {"position": "x", "velocity": "v", "effort": "u", "current": "i", "magnitude": "u"}
-"""What is logged of a joint, and the channel whose units it has; a magnitude is an effort without its sign."""
+Field = Literal["position", "velocity", "effort", "current", "magnitude", "goal", "voltage", "driven"]
+CHANNEL: dict[Field, str] = {
+    "position": "x",
+    "velocity": "v",
+    "effort": "u",
+    "current": "i",
+    "magnitude": "u",
+    "goal": "x",
+    "voltage": "e",
+    "driven": "n",
+}
+"""What is logged of a joint, and the channel whose units it has; a magnitude is an effort without its sign, a goal the
+position that is asked of a servo, driven whether it drives (1 or 0)."""
 SI_UNITS: dict[Field, str] = {
     "position": "rad",
     "velocity": "rad/s",
     "effort": "N m",
     "current": "A",
     "magnitude": "N m",
+    "goal": "rad",
+    "voltage": "V",
+    "driven": "1",
 }
 """What is assumed where nothing says a unit (a slide: m, m/s, N)."""
 WORDS: dict[Field, tuple[str, ...]] = {
@@ -32,6 +45,9 @@ WORDS: dict[Field, tuple[str, ...]] = {
     "effort": ("effort", "efforts", "torque", "torques", "tau", "tau_j", "u"),
     "current": ("current", "currents", "cur"),
     "magnitude": ("absu", "abstau", "abseffort", "abstorque"),
+    "goal": ("goal", "action"),
+    "voltage": ("voltage", "volts", "input_volts", "input_voltage", "vin"),
+    "driven": ("torque_enable", "torque_enabled", "enabled"),
 }
 """Words for each; where a file has several of them, the first is taken."""
 SHORT = frozenset({"x", "v", "u"})
@@ -40,7 +56,7 @@ TOPICS = frozenset({"joint_states", "joint_state", "field", "observation", "robo
 """Names before a field that are no joint's."""
 
 FIELD_OF: dict[str, Field] = {word: field for field, words in WORDS.items() for word in words}
-_ENDINGS = {**ENDINGS, "i": {"a": "A", "ma": "mA"}}
+_ENDINGS = {**ENDINGS, "i": {"a": "A", "ma": "mA"}, "e": {"v": "V", "mv": "mV"}, "n": {}}
 
 
 def _any(words: "frozenset[str] | set[str]") -> str:
@@ -85,7 +101,7 @@ def named(name: str) -> Named | None:
     """What the name of a column says of a joint ("elbow.position", "actual_qd_0", "u1_Nm"); None for any other."""
     text = name.strip()
     if is_commanded(text):
-        return None
+        return _goal(text)
     for style, pattern in RULES:
         found = pattern.match(text)
         if found is None:
@@ -98,6 +114,26 @@ def named(name: str) -> Named | None:
             continue
         return Named(style, FIELD_OF[word], word, joint, int(parts.get("number") or 0), units.get(ending))
     return None
+
+
+_ASKED = re.compile(
+    r"(?<![a-z])(?:commanded|command|target|goal|desired|setpoint|reference|action|cmd|des|ref)(?![a-z])", re.IGNORECASE
+)
+"""The word of a name by which it is what was asked for."""
+
+
+def _goal(text: str) -> Named | None:
+    """What the name of a command says ("goal_position", "elbow.goal", "xcmd1_rad", "action/elbow.pos")."""
+    bare = text.replace("xcmd", "x").replace("XCMD", "x")
+    if bare == text:
+        bare = re.sub(r"[ ._/-]{2,}", ".", _ASKED.sub("", text, count=1)).strip(" _./-")
+        bare = f"position{bare}" if bare.startswith("[") else bare
+    if is_commanded(bare):
+        return None
+    found = named(bare) or (named(f"{bare}.position") if bare else Named("single", "position", "goal"))
+    if found is None or found.field != "position":
+        return None
+    return replace(found, field="goal", word="goal")
 
 
 Fields = dict[Field, dict[str, FloatArray]]

@@ -189,7 +189,7 @@ def _turned(raw: Raw, unit: str) -> Raw:
     return Raw(raw.t, fields, told, raw.rows, raw.numbered, (*raw.notes, f"Angles are read in {unit} (--angle-unit)."))
 
 
-FIELDS: tuple[Field, ...] = ("position", "velocity", "effort", "current", "magnitude")
+FIELDS: tuple[Field, ...] = tuple(CHANNEL)
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,7 +21,7 @@ ACCEPTED = (
     "t and NAME.position, NAME.velocity, NAME.effort or NAME.current as a product of column names, #N and numbers is "
     'accepted, e.g. "t=t,elbow.position=q3[deg],elbow.effort=7.1*cur3[N*m]"'
 )
-_FIELDS: tuple[Field, ...] = ("position", "velocity", "effort", "current")
+_FIELDS: tuple[Field, ...] = ("position", "velocity", "effort", "current", "goal", "voltage", "driven")
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,9 +164,9 @@ def _with_unit(table: Table, target: Target, options: LogOptions) -> Mapping:
     """The product of a target, with the unit that --angle-unit gives where nothing else does."""
     mapping, unit = target.mapping, options.angle_unit
     told = mapping.unit is not None or any(table.position(name) in table.units for name in mapping.names)
-    if told or unit is None or target.field not in ("position", "velocity"):
+    if told or unit is None or target.field not in ("position", "velocity", "goal"):
         return mapping
-    return replace(mapping, unit=unit if target.field == "position" else f"{unit}/s")
+    return replace(mapping, unit=f"{unit}/s" if target.field == "velocity" else unit)
 
 
 def _times(read: tuple[FloatArray, Unit] | None, size: int, rate: float | None) -> tuple[FloatArray, list[str]]:

@@ -52,7 +52,7 @@ def _flat(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:
     inside = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
     for key, one in inside:
         yield from _flat(f"{prefix}.{key}" if prefix else str(key), one)
-    if _is_number(value) and value is not None:
+    if isinstance(value, bool) or (_is_number(value) and value is not None):
         yield prefix, value
 
 
