@@ -19,6 +19,8 @@ LONGEST = 30.0
 _STEP = 2e-3
 """Of a difference quotient, in ordinary sizes of a number: above the roughness that sticking leaves in a run."""
 _UNTIL = Until(share=1e-3, iterations=30)
+_UNTOLD = 1e4
+"""Standard error, in ordinary sizes, from which a number shows nowhere."""
 _MOVE = 3.0
 """Ordinary sizes that a number moves at most in one step."""
 
@@ -101,16 +103,40 @@ class ServoFit:
         """Of the residual, which counts as fewer values than samples."""
         return memory(self.residual, begins=self.logs.begins)
 
+    @property
+    def inside(self) -> list[str]:
+        """What is free and not on a bound."""
+        return [name for name in self.free if not self.bound(name)]
+
     @cached_property
-    def errors(self) -> dict[str, float]:
-        """Standard errors of what is free; colour of the residual allowed for. inf for what stands on a bound."""
-        inside = [name for name in self.free if not self.bound(name)]
-        partials = _partials(self.logs, self.values, inside, self.residual)
-        scaled = partials * np.array([self.logs.size(name) for name in inside])
+    def covariance(self) -> FloatArray:
+        """Of what is inside (q, q), in ordinary sizes; colour of the residual allowed for."""
+        partials = _partials(self.logs, self.values, self.inside, self.residual)
+        scaled = partials * np.array([self.logs.size(name) for name in self.inside])
         lags = min(int(3.0 * self.memory.time), self.residual.size // 10)
-        spread = np.sqrt(np.diag(coloured_covariance(scaled, self.residual, lags, self.logs.begins)))
-        found = {name: float(s) * self.logs.size(name) for name, s in zip(inside, spread, strict=True)}
+        return coloured_covariance(scaled, self.residual, lags, self.logs.begins)
+
+    @property
+    def errors(self) -> dict[str, float]:
+        """Standard errors of what is free; inf for what stands on a bound, and for what nothing tells."""
+        spread = np.sqrt(np.diag(self.covariance))
+        found = {
+            name: float(s) * self.logs.size(name) if 0.0 < s < _UNTOLD else math.inf
+            for name, s in zip(self.inside, spread, strict=True)
+        }
         return {name: found.get(name, math.inf) for name in self.free}
+
+    @property
+    def partners(self) -> dict[str, tuple[str, float]]:
+        """For each number inside the one that it goes with most, and their correlation."""
+        spread = np.sqrt(np.maximum(np.diag(self.covariance), 1e-300))
+        together = self.covariance / np.outer(spread, spread)
+        np.fill_diagonal(together, 0.0)
+        most = np.argmax(np.abs(together), axis=1)
+        return {
+            name: (self.inside[j], float(together[i, j]))
+            for i, (name, j) in enumerate(zip(self.inside, most, strict=True))
+        }
 
     def bound(self, name: str) -> bool:
         """Whether a number stands on a bound of its own."""

@@ -23,7 +23,7 @@ NAMES = (
         "load_rest",
         "delay",
         "dead",
-        "backlash",
+        "play",
         "zero",
         "sine",
         "cosine",

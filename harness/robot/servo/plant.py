@@ -37,7 +37,7 @@ NUMBERS: Mapping[str, Number] = {
     "load_rest": Number("1", 0.1, 0.0, 0.95),
     "delay": Number("s", 0.01, 0.0, 0.3),
     "dead": Number("rad", 0.01, 0.0, 0.2),
-    "backlash": Number("rad", 0.01, 0.0, 0.2),
+    "play": Number("rad", 0.01, 0.0, 0.2),
     "zero": Number("rad", 0.02, -np.inf),
     "sine": Number("N m", 0.2, -np.inf),
     "cosine": Number("N m", 0.2, -np.inf),
@@ -49,7 +49,7 @@ NUMBERS: Mapping[str, Number] = {
 speed. limit : of the duty. brake : of the motor's own voltage, while it drives (k_t^2/R). c : of the gears. f_k : dry
 friction at speed, f_s : more at rest, fading over v_s. load : friction over what the gears carry; of the motor's torque
 and of the load's, where they differ; load_rest : more of it at rest. delay : of goals. dead : error without effect.
-backlash : play. zero : what the sensor shows at the model's zero. sine, cosine : of gravity, where no model gives it.
+play : of the gears. zero : what the sensor shows at the model's zero. sine, cosine : of gravity without a model's.
 ramp : speed at which a goal moves at most. most : torque, by the current's limit. concave : share
 of the torque that is lost at full duty."""
 _AT = {name: i for i, name in enumerate(NAMES)}

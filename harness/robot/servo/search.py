@@ -59,7 +59,7 @@ TERMS = (
         replaces=("load",),
     ),
     Term(
-        "stribeck",
+        "rest-friction",
         "friction is larger at rest",
         lambda f: [{"f_s": 0.5 * f.values["f_k"] + 0.1 * f.logs.size("f_s"), "v_s": v} for v in (0.1, 0.5)],
     ),
@@ -74,7 +74,7 @@ TERMS = (
         lambda f: [{"most": x * _strongest(f)} for x in (0.85, 0.6)],
     ),
     Term("concave-drive", "torque grows less than the duty", lambda f: [{"concave": x} for x in (0.03, 0.15)]),
-    Term("backlash", "the gears have play", lambda f: [{"backlash": x} for x in (0.005, 0.02)], needs=("link",)),
+    Term("gear-play", "the gears have play", lambda f: [{"play": x} for x in (0.005, 0.02)], needs=("link",)),
     Term("dead-band", "small errors of position have no effect", lambda f: [{"dead": x} for x in (0.002, 0.01)]),
     Term(
         "goal-speed-limit", "the servo's own goal moves at most so fast", lambda f: [{"ramp": 0.7 * _fastest_goal(f)}]
@@ -98,7 +98,8 @@ class Step:
 @dataclass(frozen=True, slots=True)
 class Search:
     """base : torque, damping, inertia and dry friction. steps : what was put in, in order. tried : evidence of every
-    term alone. refused : terms with evidence that what was not fitted does not confirm. blocks : what was held out.
+    term alone. refused : terms with evidence that what was not fitted does not confirm. blocks : names of what was held
+    out. before, after : its fits by the rest, with the base and with the best.
     """
 
     base: ServoFit
@@ -106,6 +107,8 @@ class Search:
     tried: Mapping[str, float]
     refused: tuple[str, ...]
     blocks: tuple[str, ...]
+    before: tuple[ServoFit, ...]
+    after: tuple[ServoFit, ...]
 
     @property
     def best(self) -> ServoFit:
@@ -116,7 +119,7 @@ def search(logs: Logs, base: ServoFit, progress: Callable[[str], None] = lambda 
     """Terms as long as evidence and what was not fitted ask for them."""
     folds = held_out(logs)
     now, steps, refused, tried = base, list[Step](), list[str](), dict[str, float]()
-    out = _errors(folds, now)
+    first = out = _predicted(folds, now)
     while len(steps) < _MOST_TERMS:
         ranked = _ranked(logs, now, {step.term.name for step in steps} | set(refused), progress)
         if not steps and not refused:
@@ -124,15 +127,14 @@ def search(logs: Logs, base: ServoFit, progress: Callable[[str], None] = lambda 
         if not ranked or ranked[0][0] < (_ENOUGH if folds else MARGIN.value):
             break
         gain, term, found = ranked[0]
-        after = _errors(folds, found)
+        after = _predicted(folds, found)
         if _confirmed(out, after):
             rivals = {other.name: gain - worse for worse, other, _ in ranked[1:] if gain - worse < _NEAR}
-            said = (float(np.mean(out[0])), float(np.mean(after[0])))
-            steps.append(Step(term, found, gain, rivals, said))
+            steps.append(Step(term, found, gain, rivals, (_mae(out), _mae(after))))
             now, out = found, after
         else:
             refused.append(term.name)
-    return Search(base, tuple(steps), tried, tuple(refused), tuple(name for name, _, _ in folds))
+    return Search(base, tuple(steps), tried, tuple(refused), tuple(name for name, _, _ in folds), first, out)
 
 
 def _ranked(
@@ -188,18 +190,20 @@ def held_out(logs: Logs) -> list[Fold]:
     ]
 
 
-def _errors(folds: list[Fold], found: ServoFit) -> tuple[list[float], list[float]]:
-    """Mean absolute error, rad, and mean square of every fold by the rest."""
-    own = [fit(rest, found.values).under(out) for _, rest, out in folds]
-    return [one.mae for one in own], [one.squares / one.residual.size for one in own]
+def _predicted(folds: list[Fold], found: ServoFit) -> tuple[ServoFit, ...]:
+    """What was held out, by fits of the rest that begin at another."""
+    return tuple(fit(rest, found.values).under(out) for _, rest, out in folds)
 
 
-def _confirmed(before: tuple[list[float], list[float]], after: tuple[list[float], list[float]]) -> bool:
+def _mae(parts: tuple[ServoFit, ...]) -> float:
+    """Mean absolute error, rad; of nothing held out nan."""
+    return float(np.mean([one.mae for one in parts])) if parts else math.nan
+
+
+def _confirmed(before: tuple[ServoFit, ...], after: tuple[ServoFit, ...]) -> bool:
     """Whether what was not fitted is predicted better, or nothing could be held out."""
-    if not before[1]:
-        return True
-    logs = [math.log(b / a) for b, a in zip(before[1], after[1], strict=True)]
-    return float(np.mean(logs)) > 0.0
+    gains = [math.log(b.squares / a.squares) for b, a in zip(before, after, strict=True)]
+    return not gains or float(np.mean(gains)) > 0.0
 
 
 def base_start(logs: Logs, starts: list[dict[str, float]]) -> ServoFit:

@@ -1,0 +1,114 @@
+"""What a servo's fit says in numbers with errors and sentences: units, what is told, what cannot be parted."""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from harness.core.quantity import Quantity
+from harness.robot.servo.fit import ServoFit
+from harness.robot.servo.plant import NUMBERS, Run
+from harness.robot.servo.servo import Servo
+
+_WEAK, _NONE = 0.03, 0.3
+"""Relative standard errors up to which a number is told (6 % is two of them), and from which it is not."""
+_NOT = "no part of the log tells it"
+_STRETCH = 8
+"""Samples over which positions are a line but for their noise."""
+_QUIET = 0.2
+"""Share of stretches, the quietest, whose noise is the sensor's."""
+PLAIN = ("zero", "sine", "cosine", "dead", "delay")
+"""Numbers whose size says nothing of how well they are known."""
+
+
+def unit_of(name: str, scale: str) -> str:
+    """Unit of a number; where nothing gives a scale, for each kg m^2 that turns."""
+    unit = NUMBERS[name].unit
+    if scale != "inertia" or not ("N m" in unit or "kg" in unit):
+        return unit
+    return "1" if unit == "kg m^2" else f"{unit} per kg m^2"
+
+
+def quantities(found: ServoFit, scale: str) -> dict[str, Quantity]:
+    """Numbers of a fit with their errors."""
+    said = {}
+    for name in found.free:
+        error = found.errors[name]
+        known = math.isfinite(error) and error > 0.0
+        why = None if known else "it stands on its bound" if found.bound(name) else _NOT
+        said[name] = Quantity(found.values[name], error if known else None, unit_of(name, scale), why)
+    given = {name: value for name, value in found.logs.known.items() if math.isfinite(value)}
+    return said | {name: Quantity(value, None, unit_of(name, scale), "given") for name, value in given.items()}
+
+
+def verdicts(found: ServoFit) -> list[tuple[str, str, str]]:
+    """Of each number whether the log tells it, and why not."""
+    said = []
+    partners = found.partners
+    for name in found.free:
+        error = found.errors[name]
+        share = error / abs(found.values[name]) if found.values[name] else math.inf
+        if name in PLAIN and math.isfinite(error):
+            share = 0.0
+        verdict = "identifiable" if share <= _WEAK else "weak" if share <= _NONE else "not"
+        other, together = partners.get(name, ("", 0.0))
+        why = "on its bound, without effect" if found.bound(name) else f"standard error of {100.0 * share:.2g} %"
+        if verdict != "identifiable" and abs(together) > 0.9:
+            why += f"; it goes with {other} (correlation {together:.2f})"
+        said.append((name, verdict, "" if verdict == "identifiable" else why))
+    return said
+
+
+def confounded(servo: Servo, runs: tuple[Run, ...]) -> list[str]:
+    """What goal and position cannot part in these logs."""
+    values, known = servo.best.values, servo.known
+    said = []
+    if "brake" in values:
+        said.append("brake is what damping the motor adds while it drives: k_t^2/R and kd together")
+    else:
+        said.append("c is one number for the gears' damping, k_t^2/R and kd: only a log with torque off parts them")
+    if "gain" in servo.best.logs.known and known.servo is None:
+        said.append("torque and duty are one product: without a preset (--servo) the voltage's share is not told")
+    if known.scale == "inertia":
+        said.append(
+            "without gravity's torque or a data sheet all torques are ratios to the inertia: --robot or --servo"
+        )
+    elif known.scale == "data sheet":
+        said.append("all torques, the inertia too, are as large as the data sheet's torque at rest says")
+    elif "zero" in values and all(np.ptp(run.q) < 0.5 for run in runs):
+        said.append("over so small angles gravity's torque and the sensor's zero are nearly one")
+    return said
+
+
+def floor(runs: tuple[Run, ...]) -> float:
+    """rms, rad, of positions' noise and steps: what lines over the quietest stretches leave, at least step/sqrt(12)."""
+    found = []
+    for run in runs:
+        count = run.q.size // _STRETCH
+        t = run.t[: count * _STRETCH].reshape(count, _STRETCH)
+        q = run.q[: count * _STRETCH].reshape(count, _STRETCH)
+        t, q = t - t.mean(axis=1, keepdims=True), q - q.mean(axis=1, keepdims=True)
+        left = q - t * (np.sum(t * q, axis=1) / np.sum(t * t, axis=1))[:, None]
+        spread = np.sqrt(np.sum(left**2, axis=1) / (_STRETCH - 2))
+        found.append(max(float(np.quantile(spread, _QUIET)), run.step / math.sqrt(12.0)))
+    return float(np.median(found))
+
+
+def dry_friction(values: Mapping[str, float]) -> list[str]:
+    """What dry friction has besides Coulomb's, as numbers in words."""
+    said = []
+    if "f_s" in values:
+        said.append(f"{values['f_s']:.3g} N m more at rest, fading over {values['v_s']:.2g} rad/s")
+    if "load" in values:
+        said.append(f"{100.0 * values['load']:.3g} % of what the gears carry")
+    if "load_motor" in values:
+        said.append(
+            f"{100.0 * values['load_motor']:.3g} % of the motor's torque and {100.0 * values['load_external']:.3g} %"
+            " of the load's"
+        )
+    if "load_rest" in values:
+        said.append(
+            f"{100.0 * values['load_rest']:.3g} % of the motor's torque more at rest, fading over"
+            f" {values['v_s']:.2g} rad/s"
+        )
+    return said
