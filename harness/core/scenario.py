@@ -41,6 +41,34 @@ class Belt:
 
 
 @dataclass(frozen=True, slots=True)
+class Body:
+    """A rigid body with all six freedoms under gravity, in place of the slider on its spring: m and f_k are its own.
+
+    place : "slope" (gravity is tilted along x), "grip" (between two fingers), "floor" (rolls along x, or spins about z
+    at a rim speed of v0). shape : box, cylinder (standing) or sphere; size : its half height and radius, m. mu :
+    coefficient of sliding friction. mu_t, mu_r : torsional and rolling, m. condim : which of them act, in MuJoCo's
+    count (1 none, 3 sliding, 4 and torsional, 6 and rolling). load : what is asked of friction, over what there is.
+    pair : the contact's friction is said of the pair, not of both geoms. spins : it spins. x is the way along the
+    slope, down, along the floor, or the rim's.
+    """
+
+    place: str
+    shape: str = "box"
+    size: float = 0.05
+    mu: float = 0.5
+    mu_t: float = 0.005
+    mu_r: float = 0.002
+    condim: int = 3
+    load: float = 0.0
+    pair: bool = False
+    spins: bool = False
+
+    def __post_init__(self) -> None:
+        for name in ("size", "mu", "mu_t", "mu_r"):
+            positive(f"body: {name}", getattr(self, name), "")
+
+
+@dataclass(frozen=True, slots=True)
 class Scenario:
     """A run that can be done by the reference and by any engine.
 
@@ -52,7 +80,7 @@ class Scenario:
     x0: float = 1.0
     v0: float = 0.0
     duration: float = 3.0
-    action: Harmonic | Hold | Belt | None = None
+    action: Harmonic | Hold | Belt | Body | None = None
 
     def __post_init__(self) -> None:
         finite("scenario: x0", self.x0)

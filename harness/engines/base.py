@@ -16,7 +16,7 @@ from harness.core.arrays import FloatArray
 from harness.core.checks import finite, increasing, positive, vector
 from harness.core.errors import InputError, SimulationError, did_you_mean
 from harness.core.registered import version
-from harness.core.scenario import Scenario
+from harness.core.scenario import Body, Scenario
 from harness.core.trajectory import Trajectory
 from harness.engines.joint_words import JointWords, Kinds
 
@@ -160,13 +160,15 @@ class Engine(ABC):
     """A physics engine. Implementations are final, have no state of their own and are cheap to make.
 
     name : as in the entry point. package : what is installed of it, whose version it has. routes : those the engine
-    has; the others are refused with a SimulationError. native : kinds of elements that its joint has words for; a term
-    made of those needs no law. place : name of the environment it runs in, empty for that of this process.
+    has; the others are refused with a SimulationError. bodies : whether it has bodies with six freedoms, on the contact
+    route. native : kinds of elements that its joint has words for; a term made of those needs no law. place : name of
+    the environment it runs in, empty for that of this process.
     """
 
     name: ClassVar[str]
     package: ClassVar[str]
     routes: ClassVar[tuple[Route, ...]] = ROUTES
+    bodies: ClassVar[bool] = False
     native: ClassVar[Kinds] = frozenset()
     place: ClassVar[str] = ""
 
@@ -205,6 +207,8 @@ def resolve(engine: Engine, task: Task) -> dict[str, Any]:
     """
     if task.route not in engine.routes:
         raise SimulationError(f"{engine.name}: no {task.route} route; there is {', '.join(engine.routes)}")
+    if isinstance(task.scenario.action, Body) and not (engine.bodies and task.route == "contact"):
+        raise SimulationError(f"{engine.name}: no bodies with six freedoms on the {task.route} route")
     if task.words is not None and (not engine.native or task.route != "joint"):
         raise SimulationError(f"{engine.name}: its joint has no words for polynomials on the {task.route} route")
     settings = engine.presets(task.route, task.preset, task.dt)

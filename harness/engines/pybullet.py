@@ -5,6 +5,7 @@ of sub-steps, and files are cached by name.
 """
 
 import tempfile
+import time
 from dataclasses import replace
 from logging import Logger, getLogger
 from pathlib import Path
@@ -13,11 +14,13 @@ from typing import Any, ClassVar, final
 from lxml import etree
 
 from harness.core.quiet import quiet
+from harness.core.scenario import Body
 from harness.core.slider import Slider
+from harness.core.trajectory import Trajectory
 from harness.engines import models
 from harness.engines.base import Route, Task
 from harness.engines.joint_words import GRAVITY, coefficient
-from harness.engines.samples import Motion, newton_friction
+from harness.engines.samples import Motion, newton_friction, trajectory
 from harness.engines.stepping import Native, Plan, Stepped, SteppedEngine, moved
 
 log: Logger = getLogger("harness.engines.pybullet")
@@ -140,6 +143,20 @@ class PybulletEngine(SteppedEngine):
     name: ClassVar[str] = "pybullet"
     package: ClassVar[str] = "pybullet"
     shipped_dt: ClassVar[float] = 1.0 / 240.0
+    bodies: ClassVar[bool] = True
+
+    def simulate(self, task: Task) -> Trajectory:
+        """See Engine.simulate; a body with six freedoms stands in a world of its own."""
+        if not isinstance(task.scenario.action, Body):
+            return SteppedEngine.simulate(self, task)
+        from harness.engines.pybullet_bodies import body_motion
+
+        settings, started = self.settled(task), time.perf_counter()
+        with quiet(log):
+            motion = body_motion(task, settings, _some(settings, (*OF_WORLD, *OF_CONTACT)))
+        ignored = ("leapfrog: a body is read as it stands after each step",)
+        lines = ignored if settings["leapfrog"] else ()
+        return trajectory(self, task, settings, lines, motion, time.perf_counter() - started)
 
     def words(self, route: Route, shipped: bool, dt: float) -> dict[str, Any]:
         """See SteppedEngine.words; these are PyBullet's own."""

@@ -150,8 +150,7 @@ def trajectory(
         direction = np.where(direction == 0.0, np.sign(otherwise), direction)
     mode = np.where(stuck, int(Mode.STICK), direction).astype(np.int8)
     extra = {"friction_force": motion.friction}
-    if motion.lift is not None and motion.normal is not None:
-        extra |= {"lift": motion.lift, "normal_force": motion.normal}
+    extra |= {name: y for name, y in (("lift", motion.lift), ("normal_force", motion.normal)) if y is not None}
     route = {"route": task.route, "restoring": task.restoring}
     source = Source(engine.name, task.preset, engine.version(), dt, route | settings, ignored, wall)
     return Trajectory(t, motion.x, motion.v, motion.a, source, motion.applied, mode, extra)

@@ -160,8 +160,8 @@ def one(row: Row) -> float:
     return 1.0
 
 
-Part: TypeAlias = Literal["suite", "trained"]
-"""trained : as people train policies, with less effort of the solver."""
+Part: TypeAlias = Literal["suite", "trained", "bodies"]
+"""trained : as people train policies, with less effort of the solver. bodies : with six freedoms, in contact."""
 Answers: TypeAlias = dict[str, float]
 Metrics: TypeAlias = dict[str, float | None]
 

@@ -7,9 +7,10 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from harness.core.scenario import Scenario
 from harness.engines.base import PRESETS, ROUTES, Engine, Preset, Route
 from harness.fidelity.kind import OWN as OWN_SLIDERS
-from harness.fidelity.kind import drawn, suite
+from harness.fidelity.kind import Sliders, drawn, suite
 from harness.fidelity.row import Spec
 
 Settings = Mapping[str, Any]
@@ -196,6 +197,19 @@ _EFFORT: dict[tuple[str, Route], tuple[Variant, ...]] = {
     ),
 }
 """Engines whose effort can be set."""
+_BODIES: dict[str, tuple[Variant, ...]] = {
+    "mujoco": (
+        _SHIPPED_ALONE,
+        *(
+            Variant("elliptic", "as-shipped", (MIDDLE,), _fixed(cone="elliptic", impratio=ratio))
+            for ratio in (1.0, 10.0, 100.0)
+        ),
+        Variant("noslip", "as-shipped", (MIDDLE,), _fixed(noslip_iterations=10)),
+        Variant("noslip", "as-shipped", (MIDDLE,), _fixed(cone="elliptic", noslip_iterations=10)),
+        Variant("tuned", "tuned", (FINE,)),
+    ),
+}
+"""Settings that bodies with six freedoms are run with, where they are not just what ships and what is tuned."""
 EFFORT_SCENARIOS = ("free-decay", "hold-50")
 """Of the suite, which effort is looked at beside holds that slide first."""
 
@@ -265,17 +279,26 @@ class Matrix:
 
     def _of(self, name: str, engine: Engine, route: Route, draw: int) -> Iterator[Spec]:
         version, place, sliders = engine.version(), engine.place, drawn(draw) if draw else OWN_SLIDERS
-        scenarios, trained = suite(route, sliders), suite(route, sliders, "trained")
-        trained |= {name: scenarios[name] for name in EFFORT_SCENARIOS}
-        for variant in (*variants(engine.name, route), *effort_variants(engine.name, route)):
+        for variant, scenarios in self._parts(engine, route, sliders):
             if self.presets and variant.name not in self.presets:
                 continue
             for dt in self._steps(variant):
                 # what depends on the step is never asked for at a step that is not known
                 changed = tuple(sorted(variant.settings(FINE if dt is None else dt).items()))
-                for scenario in (trained if variant.name == TRAINED else scenarios).values():
+                for scenario in scenarios.values():
                     if self._wanted(variant, dt, bool(changed), scenario.name):
                         yield Spec(name, version, route, variant.name, variant.base, changed, dt, scenario, draw, place)
+
+    def _parts(
+        self, engine: Engine, route: Route, sliders: Sliders
+    ) -> Iterator[tuple[Variant, Mapping[str, Scenario]]]:
+        """Settings, each with the scenarios that are run with it: the suite's, those of effort, bodies."""
+        scenarios = suite(route, sliders)
+        yield from ((variant, scenarios) for variant in variants(engine.name, route))
+        trained = suite(route, sliders, "trained") | {name: scenarios[name] for name in EFFORT_SCENARIOS}
+        yield from ((variant, trained) for variant in effort_variants(engine.name, route))
+        if engine.bodies and (bodies := suite(route, sliders, "bodies")):
+            yield from ((variant, bodies) for variant in _BODIES.get(engine.name, _LAW))
 
     def _steps(self, variant: Variant) -> tuple[float | None, ...]:
         if self.short:

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from harness.core.errors import HarnessError, InputError
-from harness.core.scenario import Belt, Harmonic, Hold, Scenario
+from harness.core.scenario import Belt, Body, Harmonic, Hold, Scenario
 from harness.core.slider import Slider
 from harness.core.trajectory import Trajectory
 from harness.engines.base import Engine, Preset, Route, Task
@@ -29,7 +29,9 @@ def describe(scenario: Scenario) -> dict[str, Any]:
     }
 
 
-_ACTIONS: dict[str, type[Harmonic] | type[Hold] | type[Belt]] = {kind.__name__: kind for kind in (Harmonic, Hold, Belt)}
+_ACTIONS: dict[str, type[Harmonic | Hold | Belt | Body]] = {
+    kind.__name__: kind for kind in (Harmonic, Hold, Belt, Body)
+}
 
 
 def scenario_of(data: Mapping[str, Any]) -> Scenario:

@@ -53,9 +53,14 @@ class Card:
     errors: list[str] = field(default_factory=list)
 
 
+def of_suite(row: Row) -> bool:
+    """Whether the scenario of a row is one of the suite, which scores are made of."""
+    return kind(row["scenario"]).part == "suite"
+
+
 def is_card_row(row: Row) -> bool:
     """Whether a row belongs to the scorecard: what ships at its own step, or tuned at 1 ms (or its nearest step)."""
-    if row["draw"] or row["changed"] or row["preset"] not in PRESETS:
+    if row["draw"] or row["changed"] or row["preset"] not in PRESETS or not of_suite(row):
         return False
     own = "dt=own" in row["name"]
     return own if row["preset"] == "as-shipped" else row["dt_s"] is not None
@@ -131,7 +136,7 @@ def points(rows: Iterable[Row]) -> list[Point]:
     """The suite's own sliders by settings; those that ran fewer scenarios than others of their route are left out."""
     found: dict[tuple[Any, ...], Point] = {}
     for row in rows:
-        if not row["draw"]:
+        if not row["draw"] and of_suite(row):
             key = (
                 row["engine"],
                 row["version"],

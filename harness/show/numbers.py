@@ -164,7 +164,7 @@ _KNOWN = {
     "normal_error": Heading("normal force error", "", 1.0, "largest |N/(m g) - 1|; 1: the box leaves the floor"),
     "mu_v_over_g_s": Heading("mu v / g", "ms", 1e3, "friction coefficient x largest speed / g"),
 }
-_UNITS = {"_m_s": ("mm/s", 1e3), "_m": ("mm", 1e3), "_s": ("s", 1.0)}
+_UNITS = {"_m_s2": ("m/s²", 1.0), "_m_s": ("mm/s", 1e3), "_m": ("mm", 1e3), "_s": ("s", 1.0)}
 DECAY = tuple(_KNOWN)[:7]
 """Metrics of a free decay, shown even where there is no such figure."""
 

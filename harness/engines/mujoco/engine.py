@@ -11,10 +11,12 @@ from scipy.optimize import brentq
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
+from harness.core.scenario import Body
 from harness.core.trajectory import Trajectory
 from harness.engines.base import Engine, Preset, Route, Task, resolve
 from harness.engines.joint_words import GRAVITY, JOINT, Kinds, coefficient
 from harness.engines.mujoco import presets as table
+from harness.engines.mujoco.bodies import body_motion
 from harness.engines.mujoco.build import Forces, compile_model
 from harness.engines.mujoco.presets import warned
 from harness.engines.samples import UNSATURATED, Motion, newton_friction, trajectory
@@ -58,6 +60,7 @@ class MujocoEngine(Engine):
     name: ClassVar[str] = "mujoco"
     package: ClassVar[str] = "mujoco"
     native: ClassVar[Kinds] = JOINT
+    bodies: ClassVar[bool] = True
 
     def presets(self, route: Route, preset: Preset, dt: float | None = None) -> dict[str, Any]:
         return table.presets(route, preset, dt)
@@ -66,6 +69,11 @@ class MujocoEngine(Engine):
         settings = resolve(self, task)
         table.check(settings)
         ignored = table.unused(settings, self.presets(task.route, "as-shipped", task.dt), task.route)
+        if isinstance(task.scenario.action, Body):
+            started = time.perf_counter()
+            with _lock, warned():
+                motion = body_motion(task, settings)
+            return trajectory(self, task, settings, ignored, motion, time.perf_counter() - started)
         with _lock:
             forces = Forces(task, settings)
             model = compile_model(task, settings, forces.first_limit)

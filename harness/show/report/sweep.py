@@ -16,6 +16,7 @@ from harness.results.sweep import Convergence
 from harness.show import blocks as b
 from harness.show.numbers import number
 from harness.show.plots import Trace, axes, dots, plain
+from harness.show.report.bodies import bodies_section
 from harness.show.report.effort import effort_section
 from harness.show.sentences.sweep import about, headline, sentences
 
@@ -99,6 +100,7 @@ def sweep_sections(
         _orders(orders, engines),
         _creep(alike, engines),
         *([_lift(lifting, engines)] if lifting else []),
+        *bodies_section(every, engines.name, engines.color),
         *effort_section(every, engines.name),
         *([_worst(worst, engines)] if worst else []),
         _servos(),
