@@ -10,50 +10,53 @@ import numpy as np
 
 from harness.app.diagnose.files import motion_of
 from harness.app.diagnose.options import DiagnoseOptions
-from harness.app.diagnose.problem import errors_of, prepared
+from harness.app.diagnose.problem import Prepared, errors_of, prepared
 from harness.app.shared.estimates import NOTE, WHOLE, estimate, estimates_of
 from harness.app.shared.leaving import FILES, leave, leaving
 from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.shared.reading import read, recording_info, thinned
 from harness.core.errors import SimulationError
+from harness.core.quantity import Quantity
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.diagnosis.fit.rmse import rmse
-from harness.diagnosis.fit.standard_errors import base_parameters
+from harness.diagnosis.fit.standard_errors import base_parameters, unit_of
 from harness.diagnosis.moves.classify import classify
+from harness.diagnosis.moves.kinds import MotionKind, Moves
 from harness.diagnosis.pipeline import fit_base
 from harness.diagnosis.prepare.driven import is_driven
+from harness.diagnosis.problems.curve import Curve
 from harness.diagnosis.residual_tests.structure import Left, left_by
+from harness.estimate import slowing
 from harness.estimate.result import Estimate, Estimation
 from harness.estimate.saturation import without_limited
 from harness.io.options import ReadOptions
 from harness.model.model import Restoring
 from harness.results.common import MotionResult, P
 from harness.results.diagnosis import FitResult
-from harness.results.identify import IdentifyResult, Swing
+from harness.results.identify import IdentifyResult, SlowingResult, Swing
 from harness.show.report.identify import identify_page, recording_scene
 
+_MISSES = 2.0
+"""Of the noise, in mean square, that a run-down or a curve of few rows leaves where something is missing."""
 _CLEARLY = 5.0
 """Standard errors by which two methods differ, or a number has a sign that it cannot have."""
 
 
 def _based(
-    recording: Recording, restoring: Swing, estimation: Estimation, command: str
+    recording: Recording, ready: Prepared, estimation: Estimation | None, command: str
 ) -> tuple[FitResult | None, Trajectory | None, tuple[str, ...]]:
     """The base model fitted, its motion from its release on, and what is to be known before the estimates are believed.
 
-    command : the line that estimates. None where the model could not be simulated. Raises InputError where nothing
-    swings, or channels are not of one motion.
+    command : the line that estimates. None where the model could not be simulated. Raises InputError where channels are
+    not of one motion.
     """
-    doubts = _impossible(estimation)
-    recording = thinned(recording)
-    options = DiagnoseOptions.chosen(ReadOptions(), restoring, engines=())
+    doubts = () if estimation is None else _impossible(estimation)
     with np.errstate(over="ignore", invalid="ignore"), errors_of(recording):
-        ready = prepared(recording, options)
         try:
             based = fit_base(ready.problem)
-            free = recording.cut(recording.t >= based.fit.model.t0)
+            free = recording if recording.steady else recording.cut(recording.t >= based.fit.model.t0)
             whole = based.whole.at_every_sample(free.t, free.channels)
             motion = motion_of("base fit", based.fit.model, whole, based.scales)
         except SimulationError as error:
@@ -61,6 +64,8 @@ def _based(
     found, problem, omega = based.fit, based.problem, based.scales.omega
     adequate = left_by(found, problem, omega, found) is Left.NOISE
     chi2 = found.chi2 / found.points
+    if estimation is None and chi2 > _MISSES:
+        adequate = False
     fit = FitResult.taken_from(
         found,
         parameters=base_parameters(found, problem, omega, adequate),
@@ -68,7 +73,7 @@ def _based(
         chi2_per_point=chi2,
     )
     missed = () if adequate else (_missed(chi2, _diagnose(command, recording.file)),)
-    differ = () if ready.warnings else _disagreeing(estimation)
+    differ = () if ready.warnings or estimation is None else _disagreeing(estimation)
     return fit, motion, (*ready.warnings, *missed, *differ, *doubts)
 
 
@@ -176,9 +181,14 @@ def result_of(
     moves = classify(recording, Restoring.PENDULUM if restoring == "pendulum" else None)
     if not is_driven(recording):
         moves.refuse(recording.file)
+    if moves.kind in (MotionKind.RUN_DOWN, MotionKind.FRICTION_CURVE):
+        return _slowed(recording, moves, command, files)
     recording, chosen = moves.part(recording)
     estimation = estimate(recording, restoring)
-    fit, motion, warnings = _based(without_limited(recording)[0], restoring, estimation, command)
+    seen = thinned(without_limited(recording)[0])
+    with np.errstate(over="ignore", invalid="ignore"), errors_of(seen):
+        ready = prepared(seen, DiagnoseOptions.chosen(ReadOptions(), restoring, engines=()))
+    fit, motion, warnings = _based(seen, ready, estimation, command)
     noted = [*chosen, *([moves.wanted] if moves.wanted else []), *([NOTE] if restoring == "pendulum" else [])]
     result = IdentifyResult(
         recording=recording_info(recording, estimation.noise),
@@ -188,6 +198,50 @@ def result_of(
         restoring=restoring,
         baseline=fit,
         warnings=[*noted, *warnings, *estimation.warnings],
+        command=command,
+        machine=this_machine(),
+        files=dict(files or {}),
+    )
+    return result.drawn(partial(identify_page, recording=recording, fitted=motion)), motion
+
+
+def _slowed(
+    recording: Recording, moves: Moves, command: str, files: Mapping[str, str] | None
+) -> tuple[IdentifyResult, Trajectory | None]:
+    """As ``result_of``, of a run-down or a friction curve: dry friction alone, damping alone, both."""
+    recording = thinned(recording)
+    with np.errstate(over="ignore", invalid="ignore"), errors_of(recording):
+        ready = prepared(recording, DiagnoseOptions.chosen(ReadOptions(), None, engines=()))
+    problem = ready.problem
+    recording = problem.shown_beside(recording)
+    fit, motion, warnings = _based(recording, ready, None, command)
+    if isinstance(problem, Curve):
+        found = slowing.of_curve(problem.v, problem.channels["u"], problem.noise["u"])
+    else:
+        found = slowing.of_run_down(problem.t, problem.channels, problem.noise)
+    units = {"c": unit_of("N s/m", problem), "f_k": unit_of("N", problem)}
+    result = IdentifyResult(
+        recording=recording_info(recording, problem.noise),
+        motion=MotionResult.taken_from(moves, spans_s=moves.spans),
+        estimates={},
+        slowing={
+            method: SlowingResult(
+                chi2_per_point=one.chi2,
+                **{
+                    name: P.of(
+                        Quantity(one.values[name], one.errors[name], unit)
+                        if name in one.values
+                        else Quantity.refused(unit, "taken to be nought")
+                    )
+                    for name, unit in units.items()
+                },
+            )
+            for method, one in found.items()
+        },
+        sensor_phase_rad=P.of(Quantity.refused("rad", "needs a swing")),
+        restoring="none",
+        baseline=fit,
+        warnings=[*(f"{note[0].upper()}{note[1:]}." for note in ready.notes), *warnings],
         command=command,
         machine=this_machine(),
         files=dict(files or {}),

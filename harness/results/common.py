@@ -152,6 +152,7 @@ class RecordingInfo(Result):
     duration_s: float
     noise: dict[str, float | str | None]
     notes: list[str] = Field(default_factory=list)
+    speeds: str | None = rare("of a table of steady speeds, which has no time: from where to where, with the unit")
 
 
 Json = dict[str, Any]

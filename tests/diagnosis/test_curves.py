@@ -69,6 +69,18 @@ def test_a_file_without_a_time_needs_no_option_and_leaves_page_trace_and_models(
         assert (tmp_path / "left" / name).stat().st_size > 0
 
 
+def test_a_table_is_identified_under_each_assumption(tmp_path: Path) -> None:
+    found = harness.identify(both(1.2 + 0.3 * SPEEDS), out=tmp_path / "left")
+    for name, truth in (("f_k", 1.2), ("c", 0.3)):
+        one = getattr(found.slowing["both"], name)
+        assert abs(one.value - truth) < 4.0 * one.stderr
+    alone = harness.identify(both(0.8 * SPEEDS)).slowing["exponential"].c
+    assert alone.value == pytest.approx(0.8, abs=4.0 * (alone.stderr or 0.0))
+    page = (tmp_path / "left" / "report.html").read_text()
+    assert "28 steady speeds from -3 to 3 m/s" in page
+    assert " Hz" not in page.partition("</header>")[0]
+
+
 def test_what_needs_a_motion_is_refused_with_a_table() -> None:
     one = both(1.2 + 0.3 * SPEEDS)
     for asked in ({"restoring": "spring"}, {"validate": one}, {"horizon": 1.0}):

@@ -80,6 +80,30 @@ def test_what_comes_before_it_and_after_it_is_left_out() -> None:
     assert len([line for line in found.recording.notes if "left out" in line]) == 2
 
 
+def test_the_isolated_cases_are_identified_with_their_errors() -> None:
+    line = harness.identify(told(T, x=coulomb(T, 20.0, 2.5)[0])).slowing
+    holds(line["linear"].f_k, 2.5)
+    assert line["linear"].chi2_per_point < 1.5
+    assert line["exponential"].chi2_per_point > 100.0
+    decay = harness.identify(told(T, v=-viscous(T, 30.0, 0.4, 0.0)[1])).slowing
+    holds(decay["exponential"].c, 0.4)
+    assert decay["exponential"].chi2_per_point < 1.5
+    assert decay["linear"].chi2_per_point > 100.0
+
+
+@pytest.mark.parametrize("channels", ["x", "v", "xv"])
+def test_dry_and_viscous_friction_are_identified_together(channels: str) -> None:
+    x, v = viscous(T, 25.0, 0.2, 1.5)
+    found = harness.identify(told(T, **{c: {"x": x, "v": v}[c] for c in channels}))
+    assert found.restoring == "none"
+    assert found.motion is not None
+    assert found.motion.kind == "run-down"
+    holds(found.slowing["both"].f_k, 1.5)
+    holds(found.slowing["both"].c, 0.2)
+    assert found.baseline is not None
+    holds(found.baseline.parameters["f_k"], 1.5)
+
+
 def test_what_no_run_down_parts_is_said() -> None:
     found = harness.diagnose(told(T, x=viscous(T, 25.0, 0.2, 1.5)[0]), engines=())
     assert any("one direction" in line and "grade" in line for line in found.recording.notes)

@@ -68,7 +68,9 @@ def _run(stored: StoredTrace, data: Any) -> tuple[RunResult, Page]:
 
 def _identify(stored: StoredTrace, data: Any) -> tuple[IdentifyResult, Page]:
     kept, recording = IdentifyResult.model_validate(data), stored.recordings[0]
-    result, motion = result_of(recording, kept.command, kept.files, kept.restoring)
+    # what runs down is told by its motion
+    restoring = "spring" if kept.restoring == "none" else kept.restoring
+    result, motion = result_of(recording, kept.command, kept.files, restoring)
     result = result.model_copy(update={"machine": kept.machine})
     return result, identify_page(result, recording, motion)
 

@@ -118,7 +118,14 @@ def recording_info(recording: Recording, noise: Mapping[str, Noise]) -> Recordin
         duration_s=recording.duration,
         noise={channel: noise[channel].said if channel in noise else None for channel in recording.channels},
         notes=list(recording.notes),
+        speeds=speeds_of(recording) if recording.steady else None,
     )
+
+
+def speeds_of(recording: Recording) -> str:
+    """From which to which speed a table of them goes."""
+    v = recording["v"]
+    return f"{float(v.min()):.4g} to {float(v.max()):.4g} {'rad/s' if recording.angular else 'm/s'}"
 
 
 MOST = 1_000_000

@@ -57,7 +57,8 @@ def command(recording: Path, restoring: "Swing", reading: dict[str, Any], trace:
 
 def _print(result: "IdentifyResult") -> None:
     found = result.recording
-    say(f"{found.file}: {found.samples} samples of {', '.join(found.channels)} at {found.rate_hz:.4g} Hz")
+    channels = f"{found.samples} samples of {', '.join(found.channels)} at {found.rate_hz:.4g} Hz"
+    say(f"{found.file}: {channels if found.speeds is None else f'{found.samples} steady speeds from {found.speeds}'}")
     say_motion(result.motion)
     refused, rows = [], []
     for method, estimate in result.estimates.items():
@@ -68,7 +69,12 @@ def _print(result: "IdentifyResult") -> None:
         rows.append([method, *(with_error(number, "rad/s") for number in numbers), str(estimate.reversals)])
         reasons = dict.fromkeys(number.why for number in numbers if number.value is None and number.why)
         refused += [f"{method}: {reason}" for reason in reasons]
-    show_rows(("method", "omega_n rad/s", "zeta", "x_k", "reversals"), rows)
+    if result.slowing:
+        both = [(method, with_error(one.f_k), with_error(one.c), f"{one.chi2_per_point:.3g}")
+                for method, one in result.slowing.items()]  # fmt: skip
+        show_rows(("method", "f_k", "c", "chi2 a point"), both)
+    else:
+        show_rows(("method", "omega_n rad/s", "zeta", "x_k", "reversals"), rows)
     if result.sensor_phase_rad.value is not None:
         say(f"the accelerometer leads the displacement sensor by {with_error(result.sensor_phase_rad)}")
     if result.baseline is not None:

@@ -291,8 +291,12 @@ def _mechanisms(result: DiagnosisResult) -> b.Section:
         ),
         b.Column("not ruled out", _others, "worse by, BIC"),
     ]
+    steady = result.recording.speeds is not None
     graded = b.tabulated("mechanism", columns, result.mechanisms, lambda one: one.name, lambda one: one.family)
-    return b.Section("What was left out", [graded, *map(_parameters, result.mechanisms)])
+    return b.Section(
+        "What was left out",
+        [graded, *(_parameters(one, steady) for one in result.mechanisms)],
+    )
 
 
 def _others(one: MechanismResult) -> b.Cell:
@@ -300,10 +304,10 @@ def _others(one: MechanismResult) -> b.Cell:
     return b.lines(found or [NONE])
 
 
-def _parameters(one: MechanismResult) -> b.Table:
+def _parameters(one: MechanismResult, steady: bool) -> b.Table:
     reasons = b.Reasons()
-    spans, place = one.where.time_s, one.where
-    when = f"{number(spans[0][0], 4)} to {number(spans[-1][1], 4)} s" if spans else NONE
+    spans, place = [] if steady else one.where.time_s, one.where
+    when = f", {number(spans[0][0], 4)} to {number(spans[-1][1], 4)} s" if spans else ""
     many = f" in {len(spans)} spans" if len(spans) > 1 else ""
     columns = [
         *(
@@ -311,7 +315,7 @@ def _parameters(one: MechanismResult) -> b.Table:
             for name, p in one.parameters.items()
         ),
         b.Column("evidence", lambda one: one.delta_bic, "BIC", "what BIC loses without it"),
-        b.Column("acts", lambda _: b.Cell(place.condition, [f"{place.regime}, {when}{many}"])),
+        b.Column("acts", lambda _: b.Cell(place.condition, [f"{place.regime}{when}{many}"])),
     ]
     caption = one.statement.replace("+-", "\u00b1")
     return b.tabulated(

@@ -13,7 +13,20 @@ from harness.results.common import P, RecordingInfo
 from harness.results.identify import IdentifyResult
 from harness.results.run import Estimates
 from harness.show import scene as s
-from harness.show.blocks import Block, Column, Figure, Folded, Items, Page, Reasons, Section, by, tabulated, verdict
+from harness.show.blocks import (
+    Block,
+    Column,
+    Figure,
+    Folded,
+    Items,
+    Page,
+    Reasons,
+    Section,
+    by,
+    measured,
+    tabulated,
+    verdict,
+)
 from harness.show.numbers import quantity, sentence_quantity
 from harness.show.plots import (
     ANGLES,
@@ -33,6 +46,7 @@ from harness.show.report.page import made_with
 from harness.show.report.run import METHODS, QUANTITIES, estimated, letter, p_of
 
 _HUES = ("#e4632d", "#2b7fd6", "#1f9e77", "#a45bc2", "#b58900", "#667080")
+_ASSUMES = {"linear": "dry friction alone", "exponential": "viscous damping alone", "both": "dry and viscous"}
 _PLAIN = {"zeta": "ζ", "x_k": "x<sub>k</sub>"}
 _APART = 0.006
 """Shift of each method's points, as a share of the time shown, so that bars do not hide one another."""
@@ -41,12 +55,17 @@ All = Mapping[str, Estimates]
 
 def identify_page(result: IdentifyResult, recording: Recording, fitted: Trajectory | None = None) -> Page:
     """fitted : the base model's motion, with extra "shown x" and the like."""
-    figures = [_by_reversal(result.estimates, name) for name in ("x_k", "zeta")]
+    read: list[Section]
+    if result.slowing:
+        read = [_slowing(result), Section("The recording and the fit", channel_figures(recording, result, fitted))]
+    else:
+        figures = [_by_reversal(result.estimates, name) for name in ("x_k", "zeta")]
+        reversals = Section("Reversal by reversal", [figure for figure in figures if figure is not None])
+        methods = _methods(result.estimates, result.sensor_phase_rad)
+        read = [methods, _channels(recording, result, fitted), reversals]
     sections = [
         verdict(identify_headline(result), [*result.warnings, *result.recording.notes]),
-        _methods(result.estimates, result.sensor_phase_rad),
-        _channels(recording, result, fitted),
-        Section("Reversal by reversal", [figure for figure in figures if figure is not None]),
+        *read,
         made_with(result.machine, result.files, result.command),
     ]
     name = PurePath(result.recording.file).name
@@ -55,12 +74,16 @@ def identify_page(result: IdentifyResult, recording: Recording, fitted: Trajecto
 
 def samples_of(about: RecordingInfo) -> str:
     """What was read, in a line."""
+    if about.speeds is not None:
+        return f"{about.samples} steady speeds from {about.speeds}"
     channels = ", ".join(about.channels)
     return f"{about.samples} samples of {channels} at {about.rate_hz:.6g} Hz, {about.duration_s:.4g} s"
 
 
 def identify_headline(result: IdentifyResult) -> str:
-    """The three figures of the first method that gives them all, or why none does."""
+    """The three figures of the first method that gives them all, or why none does; of what slows down, both of its."""
+    if both := result.slowing.get("both"):
+        return f"f_k = {sentence_quantity(both.f_k)}, c = {sentence_quantity(both.c)}, fitted together."
     for method in [*METHODS, *result.estimates]:
         found = result.estimates.get(method)
         if found and all(p_of(found, name).value is not None for name in QUANTITIES):
@@ -72,6 +95,24 @@ def identify_headline(result: IdentifyResult) -> str:
     every = (p_of(found, name).why for found in result.estimates.values() for name in QUANTITIES)
     whys = dict.fromkeys(why for why in every if why)
     return "No method gives all three figures: " + "; ".join(whys) + "." if whys else "No estimator was run."
+
+
+def _slowing(result: IdentifyResult) -> Section:
+    """A row an assumption."""
+    reasons = Reasons()
+    units = {name: getattr(next(iter(result.slowing.values())), name).unit for name in ("f_k", "c")}
+    columns = [
+        *(
+            Column(name, by(name, lambda one, name: measured(getattr(one[1], name), reasons)), units[name])
+            for name in units
+        ),
+        Column("chi-square", lambda one: one[1].chi2_per_point, "a point", "1 where only noise is left"),
+    ]
+    table = tabulated(
+        "assumes", columns, list(result.slowing.items()), lambda one: one[0], lambda one: _ASSUMES[one[0]],
+        reasons=reasons, caption="Below each value: one standard error.",
+    )  # fmt: skip
+    return Section("Estimates", [table])
 
 
 def _methods(estimates: All, phase: P) -> Section:
@@ -130,21 +171,23 @@ def _channels(recording: Recording, result: IdentifyResult, fitted: Trajectory |
 def channel_figures(recording: Recording, result: IdentifyResult, fitted: Trajectory | None = None) -> list[Figure]:
     """Each channel over time; with the base model's motion also what that leaves."""
     times, figures = _reversal_times(result.estimates), list[Figure]()
-    around, lines = times[:64], upright_lines(times)
-    for name in recording.channels:
+    around, lines, along, across = times[:64], upright_lines(times), recording.t, "time / s"
+    if recording.steady:
+        along, across = recording["v"], f"speed / {per('rad/s' if recording.angular else 'm/s')}"
+    for name in (c for c in recording.channels if not recording.steady or c == "u"):
         label, unit, factor = (ANGLES if recording.angular else CHANNELS)[name]
-        t, y = recording.t, recording[name] * factor
+        t, y = along, recording[name] * factor
         hover = {"hovertemplate": f"%{{y:.6g}} {unit}<br>%{{x:.6f}} s<extra></extra>"}
         traces, left = [curve(name, t, y, "ink", unit, 1.4, **hover)], list[Figure]()
         if fitted is not None and f"shown {name}" in fitted.extra:
-            at = t >= fitted.t[0]
-            model = np.interp(t[at], fitted.t, fitted.extra[f"shown {name}"]) * factor
+            at = recording.t >= fitted.t[0]
+            model = np.interp(recording.t[at], fitted.t, fitted.extra[f"shown {name}"]) * factor
             traces.append(curve("viscous and Coulomb", t[at], model, _HUES[0], unit, 1.2, **hover))
             residual = curve("residual", t[at], y[at] - model, _HUES[0], unit, 1.2, **hover)
             caption, noise = left_by("fit", result.recording.noise.get(name), unit, factor)
-            layout = axes("time / s", f"residual / {per(unit)}", shapes=lines + noise, showlegend=False)
+            layout = axes(across, f"residual / {per(unit)}", shapes=lines + noise, showlegend=False)
             left.append(Figure(f"residual-{name}", [residual], layout, caption, GROUP, 220, around))
-        layout = axes("time / s", f"{label} / {per(unit)}", shapes=lines, showlegend=False)
+        layout = axes(across, f"{label} / {per(unit)}", shapes=lines, showlegend=False)
         figures += [Figure(f"channel-{name}", traces, layout, "", GROUP, 300, around), *left]
     return figures
 
