@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from harness.results.common import MotionResult, RepeatedResult
     from harness.results.diagnosis import AttributionResult, DiagnosisResult, PredictionResult
     from harness.results.fleet import FleetResult
-    from harness.results.robot import RobotResult, SimulatedResult
+    from harness.results.robot import ArmResult, RobotResult, SimulatedResult
 
 
 def say_diagnosis(result: "DiagnosisResult") -> None:
@@ -20,7 +20,10 @@ def say_diagnosis(result: "DiagnosisResult") -> None:
     say_motion(result.motion)
     say_all(result.recording.notes)
     say(result.statement)
-    _fits(result)
+    if result.robot is not None and result.robot.arm is not None and "f_k" not in result.baseline.parameters:
+        _every_joint(result.robot.arm)
+    else:
+        _fits(result)
     if result.own:
         _own(result)
         show_repeated(result.together)
@@ -84,17 +87,36 @@ def _robot(found: "RobotResult") -> None:
         say_paste(found.paste)
 
 
+def _every_joint(arm: "ArmResult") -> None:
+    """A line a joint: what is pasted, the law that says its curve, what is named, and torque that was not fitted."""
+    rows = []
+    for one in arm.joints:
+        named = ", ".join(e.name for e in arm.found if e.joint == one.joint) or "-"
+        f_k, c = (one.f_k, one.c) if one.curve is None else one.curve.line
+        law = "-" if one.curve is None else one.curve.laws[0].name
+        left = f"{figure(one.held_out_before, '.3g')} to {figure(one.held_out_after, '.3g')}"
+        rows.append((one.joint, with_error(f_k), with_error(c), law, named, left))
+    heads = ("joint", "dry friction", "damping", "law", "named beside", "torque left")
+    show_rows(heads, rows, ("joint", "law", "named beside"))
+    of_arm = ", ".join(e.name for e in arm.found if e.joint is None)
+    say_all([f"of the whole arm: {of_arm}"] if of_arm else [])
+
+
 def _simulated(simulated: list["SimulatedResult"]) -> None:
     """The model in engines against the log, as it is and with what is pasted."""
     windows = next((f", windows of {one.window_s:g} s" for one in simulated if one.window_s), "")
     say(f"your model driven by the torque of the log, rms of simulation minus log{windows}:")
-    say_all(f"{one.engine}: {one.error}" for one in simulated if one.error is not None)
+    say_all(f"{_who(one)}: {one.error}" for one in simulated if one.error is not None)
     rows = [
-        (one.engine, *(f"{side[c]:.3g}" for c in ("x", "v") for side in (one.before, one.after)))
+        (_who(one), *(f"{side[c]:.3g}" for c in ("x", "v") for side in (one.before, one.after)))
         for one in simulated
         if one.error is None
     ]
     show_rows(("engine", "x as it is", "x pasted", "v as it is", "v pasted"), rows)
+
+
+def _who(one: "SimulatedResult") -> str:
+    return one.engine if one.joint is None else f"{one.joint}, {one.engine}"
 
 
 def _units(result: "DiagnosisResult") -> dict[str, str]:

@@ -140,7 +140,7 @@ robot_options = group(
     "robot",
     _joint,
     click.option("--robot", type=PATH, metavar="FILE", help="A robot's model, MJCF or URDF."),
-    click.option("--joint", metavar="NAME", help="Which joint of it.  [the only one that moves]"),
+    click.option("--joint", metavar="NAME", help="Which joint of it, or all.  [the only one that moves, or all]"),
     click.option("--gravity", type=float, nargs=3, metavar="X Y Z", help="m/s^2, at the base.  [the model's]"),
 )
 """--robot, --joint, --gravity."""

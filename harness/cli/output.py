@@ -156,7 +156,7 @@ def say_left_out() -> None:
 def say_paste(paste: "PasteResult") -> None:
     """Print what goes into a robot's model."""
     say("to paste into your model (MJCF; URDF with PyBullet's calls):")
-    for line in (paste.mjcf, *paste.urdf.splitlines()):
+    for line in (*paste.mjcf.splitlines(), *paste.urdf.splitlines()):
         say_as_it_is(f"  {line}")
 
 

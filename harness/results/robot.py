@@ -121,9 +121,10 @@ class ArmResult(Result):
 
 
 class SimulatedResult(Result):
-    """The joint in one engine against its log, driven by its torque, in windows that begin at the smoothed log."""
+    """A joint in one engine against its log, driven by its torque, in windows that begin at the smoothed log."""
 
     engine: str
+    joint: str | None = rare("where a result is of all joints")
     version: str = ""
     dt_s: float | None = Field(description="the model's own")
     window_s: float | None
@@ -138,7 +139,7 @@ class RobotResult(Result):
     """A joint of a robot."""
 
     file: str = Field(description="of the model, absolute")
-    joint: str
+    joint: str = Field(description='"all" for every joint, whose parameters then have its name before theirs')
     mode: Literal["locked", "whole-arm"]
     reduction: ReductionResult | None = Field(description="null where the whole arm moves")
     confounded: list[Pair] = Field(description="what this log cannot tell apart, whatever the fit says")

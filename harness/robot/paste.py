@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Literal
 from xml.sax.saxutils import escape, quoteattr, unescape
 
@@ -147,12 +148,15 @@ def stiff_friction(dt: float) -> dict[str, str]:
     return {name: " ".join(map(_text, stiff[name])) for name in ("solreffriction", "solimpfriction")}
 
 
-def written(path: Path, paste: JointPaste) -> tuple[Path, str] | None:
+def written(
+    path: Path, paste: JointPaste, edited: Mapping[Path, str] = MappingProxyType({})
+) -> tuple[Path, str] | None:
     """The file of a model that has the joint's element, and its text with what is to be pasted and all else as it is.
 
-    None where no element has the joint's name (a replicate makes it). Raises InputError as ``load_arm`` does.
+    edited : by resolved path, texts that take the place of files. None where no element has the joint's name (a
+    replicate makes it). Raises InputError as ``load_arm`` does.
     """
-    sources = with_included(path)
+    sources = with_included(path, edited)
     urdf = sources[0].root.tag == "robot"
     for source in sources:
         text, every = source.text, list(tags(source.text))
@@ -171,10 +175,13 @@ def written(path: Path, paste: JointPaste) -> tuple[Path, str] | None:
     return None
 
 
-def copies(path: Path, paste: JointPaste) -> dict[str, str]:
-    """The same by the file's name."""
-    found = written(path, paste)
-    return {} if found is None else {found[0].name: found[1]}
+def copies(path: Path, *pastes: JointPaste) -> dict[str, str]:
+    """Texts of the files that change, with what is to be pasted for every joint, by the file's name."""
+    edited: dict[Path, str] = {}
+    for paste in pastes:
+        if (found := written(path, paste, edited)) is not None:
+            edited[found[0].resolve()] = found[1]
+    return {file.name: text for file, text in edited.items()}
 
 
 def _with_child(text: str, tag: Tag, child: str) -> str:

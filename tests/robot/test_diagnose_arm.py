@@ -63,6 +63,27 @@ def test_friction_comes_back_and_goes_into_the_model(case: Path) -> None:
     assert again.read_text(encoding="utf-8") == page
 
 
+def test_every_joint_is_told_where_none_is_named(case: Path) -> None:
+    """One result, one page, one copy of the model with all of them; --joint all says the same."""
+    line = ["diagnose", str(case / "log.csv"), "--robot", str(case / "arm.xml"), "--quiet"]
+    assert run([*line, "--out", str(case / "every"), "--json", str(case / "every.json")]) == 0
+    result = json.loads((case / "every.json").read_text())
+    assert result["robot"]["joint"] == "all"
+    pasted = mujoco.MjModel.from_xml_path(result["files"]["robot_mjcf"])
+    for i, joint in enumerate(JOINTS):
+        told = {one["joint"]: one for one in result["robot"]["arm"]["joints"]}[joint]
+        assert pasted.dof_frictionloss[i] == pytest.approx(told["curve"]["line"][0]["value"], rel=1e-9)
+        assert result["refined"]["parameters"][f"{joint}.f_k"]["value"] == pytest.approx(F_K[i], rel=0.02)
+        assert f"{joint}:" in result["statement"]
+        assert f'name="{joint}"' in result["robot"]["paste"]["mjcf"]
+    assert [one["joint"] for one in result["robot"]["simulated"]] == list(JOINTS)
+    page = Path(result["files"]["report"]).read_text(encoding="utf-8")
+    assert all(f"Friction of {joint} over its speed" in page for joint in JOINTS)
+    _, again = rebuild(Path(result["files"]["rrd"]), case / "every.html")
+    assert again.read_text(encoding="utf-8") == page
+    assert harness.diagnose_joint(case / "log.csv", case / "arm.xml", "all").statement == result["statement"]
+
+
 def test_the_library_says_what_the_command_says(case: Path) -> None:
     found = harness.diagnose_joint(case / "log.csv", case / "arm.xml", "shoulder")
     assert found.robot is not None

@@ -154,8 +154,8 @@ def test_an_effort_that_is_hardly_in_newton_metres_is_said() -> None:
     assert "it is hardly in N m" in one_joint(large, reduced(ARM, "shoulder")).warnings[0]
 
 
-def test_a_log_in_which_all_move_asks_for_the_joint(tmp_path: Path) -> None:
-    log = excited(ARM, FRICTION, ARM.joints, duration=3.0)
+def test_a_log_without_efforts_in_which_all_move_asks_for_the_joint(tmp_path: Path) -> None:
+    log = replace(excited(ARM, FRICTION, ARM.joints, duration=3.0), effort={})
     with pytest.raises(InputError, match="base, shoulder, elbow move"):
         _diagnosed(log, tmp_path)
 

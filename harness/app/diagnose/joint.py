@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.app.diagnose.joint_case import JointCase, unfitted
+from harness.app.diagnose.joint_case import ALL, JointCase, unfitted
 from harness.app.diagnose.joint_words import breaking, doubted, losses, named, with_forward_run
 from harness.app.diagnose.one import deliver
 from harness.app.diagnose.options import DiagnoseOptions, RobotOptions, Zero
@@ -50,7 +50,7 @@ def diagnose_joint(
     gains = _gains(asked, arm.joints)
     log = _read(path, arm.joints, asked, gains, options.reading)
     log = log if label is None else replace(log, file=label)
-    joint = _joint(arm, log, asked)
+    joint, every = _joint(arm, log, asked)
     found = coupling(arm, log, joint)
     if found.moving and joint not in log.effort:
         said = f"no effort of it is logged, and {', '.join(found.moving)} move{'s' * (len(found.moving) == 1)} too"
@@ -65,8 +65,10 @@ def diagnose_joint(
                 raise InputError(name, "given, but one joint alone moves", "it is accepted where the whole arm moves")
         one = one_joint(log, found.reduced)
     case = JointCase(arm, log, joint, compare(arm, log, gains), asked, options, out, progress, command)
-    if not case.compared.fits(joint):
+    if not case.compared.fits(joint) and not (every and any(map(case.compared.fits, log.effort))):
         return unfitted(case, found)
+    if every and one is None:
+        case = replace(case, joint=ALL)
     if one is None:
         return diagnose_arm(case)
     # what the model says of the joint, in the terms of any recording
@@ -117,17 +119,16 @@ def _read(
     )
 
 
-def _joint(arm: Arm, log: JointLog, asked: RobotOptions) -> str:
-    """The joint that was asked for, or the only one that moves."""
-    if asked.joint is not None:
-        return asked.joint
+def _joint(arm: Arm, log: JointLog, asked: RobotOptions) -> tuple[str, bool]:
+    """The joint that was asked for, or the first that moves, and whether all are meant."""
+    if asked.joint is not None and (asked.joint != ALL or ALL in arm.joints):
+        return asked.joint, False
     those = moving(arm, log)
-    if asked.any_joint:
-        those = tuple(name for name in those if name in log.effort)[:1] or those
-    if len(those) != 1:
+    told = [name for name in those if name in log.effort] or those
+    if not those or (len(those) > 1 and not log.effort):
         found = f"not given, and {', '.join(those) or 'none of the joints'} move{'s' if not those else ''}"
         raise InputError("--joint", found, f"a joint of {arm.file} is accepted: {', '.join(arm.joints)}")
-    return those[0]
+    return told[0], len(those) > 1
 
 
 def _finish(
@@ -137,13 +138,15 @@ def _finish(
 
     def finish(done: Diagnosed, folder: Path) -> tuple[Diagnosed, dict[str, str]]:
         result, paste, sliding = named(done, case, found, one)
-        shown, simulated = case.tried(paste, {case.joint: _left(done, one)}, 0.0)
+        shown, simulated = case.tried([paste], {case.joint: _left(done, one)}, [0.0])
         effort = case.log.effort
         torque = float(np.std(effort[case.joint])) if case.joint in effort else 0.0
         result = doubted(result, done.result.statement, slips(case.log, found.reduced), sliding, simulated, torque)
         result = with_forward_run(result, simulated)
         result = result.model_copy(update={"settings": {**result.settings, "robot": case.asked.settings()}})
-        files = case.copied(paste, folder, lambda name: f"robot_{name}" if (folder / "model" / name).exists() else name)
+        files = case.copied(
+            [paste], folder, lambda name: f"robot_{name}" if (folder / "model" / name).exists() else name
+        )
         if not files:
             LOGGER.warning("%s: no element of its own has the joint %s", case.asked.file, case.joint)
         return replace(done, result=result, shown=shown), files

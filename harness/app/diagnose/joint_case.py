@@ -1,7 +1,7 @@
 """A joint of a robot with a log of it: what every answer says of the two, and the answer where nothing is fitted."""
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -31,6 +31,8 @@ from harness.show.report.robot import match_page
 from harness.show.stored import Left, Motion, Shown
 
 LOGGER = logging.getLogger(__name__)
+ALL = "all"
+"""In place of a joint's name: every joint that a log says something of."""
 _WHY = "the log does not go together with the model"
 _SHORT = "the joint slides too shortly"
 
@@ -59,19 +61,22 @@ class JointCase:
     def settings(self) -> dict[str, Any]:
         return {**self.options.settings(), "robot": self.asked.settings()}
 
-    def robot(self, paste: JointPaste | None, **more: Any) -> RobotResult:
-        """What a result says of the robot; paste : what the model lacks."""
+    def robot(self, *pastes: JointPaste, **more: Any) -> RobotResult:
+        """What a result says of the robot; pastes : what the model lacks, by joint."""
         return RobotResult(
             file=str(self.asked.file.absolute()),
             joint=self.joint,
-            paste=PasteResult(mjcf="", urdf="") if paste is None else PasteResult(mjcf=paste.mjcf, urdf=paste.urdf),
+            paste=PasteResult(
+                mjcf=_lines(one.mjcf for one in pastes),
+                urdf=_lines(f"<!-- {one.joint} -->\n{one.urdf}" if pastes[1:] else one.urdf for one in pastes),
+            ),
             match=[MatchResult.taken_from(one, slope_stderr=one.error) for one in self.compared.matches],
             **more,
         )
 
     def result(self, model: Model, **more: Any) -> DiagnosisResult:
         """A result without a motion; model : of both fits. more : what it says besides."""
-        log, joint = self.log, self.joint
+        log, joint = self.log, self.joint if self.joint in self.log.position else next(iter(self.log.effort))
         span = float(log.t[-1] - log.t[0])
         channels = [c for c, held in (("x", log.position), ("v", log.velocity), ("u", log.effort)) if joint in held]
         info = RecordingInfo.taken_from(
@@ -94,37 +99,50 @@ class JointCase:
         about |= {"command": self.command, "machine": this_machine(), "next_experiment": "", "residual_map": None}
         return DiagnosisResult.model_validate(nothing | about | more)
 
-    def copied(self, paste: JointPaste, folder: Path, kept_as: Callable[[str], str] = str) -> dict[str, str]:
+    def copied(self, pastes: Sequence[JointPaste], folder: Path, kept_as: Callable[[str], str] = str) -> dict[str, str]:
         """Write the robot's model with what is to be pasted into ``folder``/model; the files' names in it, by kind."""
         (folder / "model").mkdir(exist_ok=True)
         files = {}
-        for name, text in copies(self.asked.file, paste).items():
+        for name, text in copies(self.asked.file, *pastes).items():
             kept = kept_as(name)
             (folder / "model" / kept).write_text(text, encoding="utf-8")
             files[f"robot_{'urdf' if name.endswith('.urdf') else 'mjcf'}"] = f"model/{kept}"
         return files
 
-    def tried(self, paste: JointPaste, left: Left, offset: float) -> tuple[Shown, list[SimulatedResult]]:
-        """The joint simulated with the friction of its file and with what is to be pasted: what is shown, and figures.
+    def tried(
+        self, pastes: Sequence[JointPaste], left: Left, offsets: Sequence[float]
+    ) -> tuple[Shown, list[SimulatedResult]]:
+        """Joints simulated with the friction of their file and with what is to be pasted: what is shown, and figures.
 
-        left : torque that the fits leave. offset : of the logged torque, N m or N.
+        Of several in MuJoCo alone. left : torque that the fits leave. offsets : of the logged torques, N m or N.
         """
         arm, log, asked = self.arm, self.log, self.asked
         held = {name: float(np.mean(log.position[name])) for name in arm.joints if name in log.position}
         results, motions = [], []
-        for engine in [name for name in (MUJOCO, PYBULLET) if name in self.options.engines]:
+        engines = [name for name in (MUJOCO, PYBULLET) if name in self.options.engines]
+        several = len(pastes) > 1
+        for paste, offset, engine in [
+            (*both, name) for both in zip(pastes, offsets, strict=True) for name in engines[: 1 if several else 2]
+        ]:
+            whose = {"joint": paste.joint} if several else {}
             try:
                 one = replayed(asked.file, arm, log, paste, held, asked.gravity, offset, asked.payload or 0.0, engine)
             except SimulationError as error:
                 LOGGER.warning("%s", error)
                 nothing = SimulatedResult(engine=engine, dt_s=None, window_s=None, windows=0, before={}, after={})
-                results.append(nothing.model_copy(update={"error": str(error)}))
+                results.append(nothing.model_copy(update={"error": str(error), **whose}))
                 continue
             if one is None:
-                break
-            motions.append(Motion(engine, one.t, one.logged, one.q_before, one.q_after))
-            results.append(SimulatedResult.taken_from(one, engine=engine, dt_s=one.dt, window_s=one.window))
-        return Shown(left, tuple(motions), pictured(asked.file, arm, log.t, log.position, paste.joint)), results
+                continue
+            label = f"{paste.joint} in {engine}" if several else engine
+            motions.append(Motion(label, one.t, one.logged, one.q_before, one.q_after))
+            results.append(SimulatedResult.taken_from(one, engine=engine, dt_s=one.dt, window_s=one.window, **whose))
+        bodies = pictured(asked.file, arm, log.t, log.position, pastes[0].joint)
+        return Shown(left, tuple(motions), bodies), results
+
+
+def _lines(texts: Iterable[str]) -> str:
+    return "\n".join(texts)
 
 
 def unfitted(case: JointCase, found: Coupling, broken: MechanismResult | None = None) -> DiagnosisResult:
@@ -151,7 +169,7 @@ def unfitted(case: JointCase, found: Coupling, broken: MechanismResult | None = 
             refined=nothing,
             rules=RULES,
             holdout=HoldoutResult(spans_s=[], baseline_rmse={}, refined_rmse={}),
-            robot=case.robot(None, mode=found.mode, reduction=None, confounded=[]),
+            robot=case.robot(mode=found.mode, reduction=None, confounded=[]),
             model_left_out=[],
             warnings=case.arm.notes,
             files={kind: output.at(FILES[kind]) for kind in ("result", "report", "log")},

@@ -87,9 +87,10 @@ def with_forward_run(result: DiagnosisResult, simulated: Sequence[SimulatedResul
     said = result.statement
     if worse:
         one = worse[0]
+        whose = one.joint or "it"
         warning = (
-            f"Do not paste this yet: driven by the log's torque it moves worse than the file as it is ({one.engine}:"
-            f" x {one.after['x']:.3g} against {one.before['x']:.3g} rms)."
+            f"Do not paste this yet: driven by the log's torque {whose} moves worse than the file as it is"
+            f" ({one.engine}: x {one.after['x']:.3g} against {one.before['x']:.3g} rms)."
         )
         update["paste"] = result.robot.paste.model_copy(update={"warning": warning})
         said = f"{said} {warning}"

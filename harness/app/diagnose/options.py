@@ -28,11 +28,10 @@ _MOST_GRAVITY = 100.0
 class RobotOptions:
     """A robot's model and what is known of its log.
 
-    file : MJCF or URDF. joint : of both, None for the only one that moves. gain : of a log in amperes, N m per A (N per
-    A) at the joint, for all, one each in the model's order, or by joint. gravity : m/s^2 in the frame of the base, None
-    for the model's own. payload : at the last body, kg. sensor : the side of the gearbox on which the torque is
-    measured. any_joint : where several move and none is named, the first of them is what a result is of. names, flip,
-    offset, angle_unit, join : as ``read_joint_log`` has them.
+    file : MJCF or URDF. joint : of both, or "all"; None for the only one that moves, or all. gain : of a log in
+    amperes, N m per A (N per A) at the joint, for all, one each in the model's order, or by joint. gravity : m/s^2 in
+    the frame of the base, None for the model's own. payload : at the last body, kg. sensor : the side of the gearbox on
+    which the torque is measured. names, flip, offset, angle_unit, join : as ``read_joint_log`` has them.
 
     Raises InputError for a number that is none, or not above 0, and for a side that does not exist.
     """
@@ -43,7 +42,6 @@ class RobotOptions:
     gravity: tuple[float, float, float] | None = None
     payload: float | None = None
     sensor: Sensor | None = None
-    any_joint: bool = False
     names: Mapping[str, str] = field(default_factory=dict)
     flip: tuple[str, ...] = ()
     offset: Mapping[str, float] = field(default_factory=dict)

@@ -1,15 +1,18 @@
 """A joint of an arm that moves as a whole: what its torque says of its friction, and of the model."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from harness.app.diagnose.joint_case import JointCase
+from harness.app.diagnose.joint_case import ALL, JointCase
 from harness.app.diagnose.joint_words import of_curve, stands_for, surely, with_forward_run
 from harness.app.shared.leaving import FILES as ALWAYS
 from harness.app.shared.leaving import leave, leaving
+from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.quantity import Quantity
 from harness.model.model import Model, Restoring
@@ -37,11 +40,11 @@ _NO_MODEL = "no model file holds an arm's joint with more than viscous and Coulo
 
 
 def diagnose_arm(case: JointCase) -> DiagnosisResult:
-    """Diagnose a joint of an arm that moves as a whole, and leave result, page, trace and a copy of the model.
+    """Diagnose a joint of an arm that moves as a whole, or all, and leave result, page, trace and a copy of the model.
 
     Raises InputError, StoreError.
     """
-    arm, log, name, asked = case.arm, case.log, case.joint, case.asked
+    arm, log, asked = case.arm, case.log, case.asked
     with leaving(f"diagnose-{case.name}", case.out) as output:
         case.progress("torque of the whole arm", 1, 4)
         left_out = {one.joint for one in case.compared.matches if one.wrong}
@@ -49,61 +52,133 @@ def diagnose_arm(case: JointCase) -> DiagnosisResult:
         found = whole_arm(
             log, arm, joints=followed, payload=asked.payload, sensor=asked.sensor, gain_known=asked.gain is not None
         )
-        if name not in [one.joint for one in found.joints]:
-            there = ", ".join(one.joint for one in found.joints)
-            raise InputError(f"{log.file}: {name}", "no effort of it is logged", f"{there} are accepted")
-        joint = found.joint(name)
-        if joint.coulomb.value is None:
-            those = ", ".join(one.joint for one in found.joints if one.coulomb.value is not None)
-            raise InputError(f"{log.file}: {name}", "it does not move to and fro enough", f"a joint that does: {those}")
+        told = _told(case, found)
         case.progress("writing trace and report", 3, 4)
         # the line through friction; nothing that is not surely above none
-        f_k, c = (surely(q) for q in joint.line)
-        paste = JointPaste(name, f_k, c, float(arm.armature[arm.index(name)]), float(arm.model.opt.timestep))
-        files = FILES | case.copied(paste, output.work)
-        result = _result(case, found, joint, paste, {kind: output.at(file) for kind, file in files.items()})
+        step = float(arm.model.opt.timestep)
+        pastes = [
+            JointPaste(
+                one.joint, surely(one.line[0]), surely(one.line[1]), float(arm.armature[arm.index(one.joint)]), step
+            )
+            for one in told
+        ]
+        files = FILES | case.copied(pastes, output.work)
+        names = {kind: output.at(file) for kind, file in files.items()}
+        result = (_of_all if case.joint == ALL else _of_one)(case, found, told, pastes, names)
         left = {
             one.joint: np.column_stack([getattr(one.left, field.name) for field in fields(one.left)])
             for one in found.joints
             if one.left is not None
         }
-        shown, simulated = case.tried(paste, left, joint.offset.value or 0.0)
+        shown, simulated = case.tried(pastes, left, [one.offset.value or 0.0 for one in told])
         result = with_forward_run(result, simulated)
-        header = "t,q,v,before,after"
-        np.savetxt(output / FILES["residual_torque"], left[name][:, :5], "%.9g", ",", header=header, comments="")
+        _write_left(output / FILES["residual_torque"], {one.joint: left[one.joint][:, :5] for one in told})
         leave(output, result, arm_page(result, shown), arm_scene(result, shown))
     return result
 
 
-def _result(
-    case: JointCase, found: WholeArm, joint: JointFriction, paste: JointPaste, files: dict[str, str]
-) -> DiagnosisResult:
+def _write_left(path: Path, left: Mapping[str, FloatArray]) -> None:
+    """Torque left of one joint, or of several with their number behind."""
+    header = "t,q,v,before,after"
+    rows = list(left.values())
+    if len(rows) > 1:
+        header = f"{header},joint"
+        rows = [np.column_stack((own, np.full(len(own), float(j + 1)))) for j, own in enumerate(rows)]
+    np.savetxt(path, np.vstack(rows), "%.9g", ",", header=header, comments="")
+
+
+def _told(case: JointCase, found: WholeArm) -> list[JointFriction]:
+    """The joint that was asked for, or all that move. Raises InputError where there is none."""
+    known = [one for one in found.joints if one.coulomb.value is not None]
+    if case.joint == ALL:
+        return known
+    where = f"{case.log.file}: {case.joint}"
+    if case.joint not in [one.joint for one in found.joints]:
+        raise InputError(where, "no effort of it is logged", f"{', '.join(o.joint for o in found.joints)} are accepted")
+    if case.joint not in [one.joint for one in known]:
+        those = f"a joint that does: {', '.join(one.joint for one in known)}"
+        raise InputError(where, "it does not move to and fro enough", those)
+    return [found.joint(case.joint)]
+
+
+def _arms(found: WholeArm) -> ArmResult:
     every = [_entry(effect, "friction") for one in found.joints for effect in one.effects]
     every += [_entry(error, "model") for error in found.model]
-    own = sorted((one for one in every if one.joint in (joint.joint, None)), key=lambda one: -one.share)
-    middle = {n: float(np.mean(case.log.position[n])) for n in case.arm.joints if n in case.log.position}
-    inertia = reduced(case.arm, joint.joint, middle).moved
-    before, after = joint.held_out or (None, None)
-    squares = [{} if rms is None else {"u": rms} for rms in (before, after)]
+    joints = [_joint(one) for one in found.joints]
+    return ArmResult.taken_from(found, joints=joints, found=every, lowpass_hz=found.lowpass, rate_hz=found.rate)
+
+
+def _of_one(
+    case: JointCase, found: WholeArm, told: Sequence[JointFriction], pastes: Sequence[JointPaste], files: dict[str, str]
+) -> DiagnosisResult:
+    (joint,), (paste,), arms = told, pastes, _arms(found)
+    own = sorted((one for one in arms.found if one.joint in (joint.joint, None)), key=lambda one: -one.share)
+    inertia = _inertia(case, joint.joint)
+    squares = [{} if rms is None else {"u": rms} for rms in joint.held_out or (None, None)]
     refined = joint.coulomb, joint.viscous, joint.offset
-    arms = ArmResult.taken_from(
-        found, joints=[_joint(one) for one in found.joints], found=every, lowpass_hz=found.lowpass, rate_hz=found.rate
-    )
+    more = _about(case, found, own, [joint])
     return case.result(
         Model(inertia, paste.c, 0.0, paste.f_k, restoring=Restoring.NONE),
-        verdict=_verdict(joint, own),
-        statement=_statement(joint, own),
-        baseline=_fit(joint.base or refined, inertia, squares[0]),
-        mechanisms=[_mechanism(one, found.seconds, joint.samples) for one in own],
-        refined=_fit(refined, inertia, squares[1]),
+        verdict=_verdict([joint], own),
+        statement=f"The whole arm moves. {_statement(joint, own)}",
+        baseline=_fit(_numbers(joint.base or refined, inertia), squares[0]),
+        refined=_fit(_numbers(refined, inertia), squares[1]),
         curve=joint.curve,
-        rules=found.rules,
         holdout={"spans_s": [], "baseline_rmse": squares[0], "refined_rmse": squares[1]},
         robot=case.robot(paste, mode="whole-arm", reduction=None, confounded=found.confounded, arm=arms),
-        model_left_out=[_NO_MODEL.format(name=one.name) for one in own if one.family != "model"],
-        warnings=[*case.arm.notes, *found.notes],
         files=files,
+        **more,
     )
+
+
+def _of_all(
+    case: JointCase, found: WholeArm, told: Sequence[JointFriction], pastes: Sequence[JointPaste], files: dict[str, str]
+) -> DiagnosisResult:
+    """Of every joint; parameters have the joint's name before theirs."""
+    arms, inertias = _arms(found), {one.joint: _inertia(case, one.joint) for one in told}
+    own = sorted(arms.found, key=lambda one: -one.share)
+    of_arm = [one for one in own if one.joint is None]
+    said = [_in_short(one, [e for e in own if e.joint == one.joint]) for one in told]
+    more, lead = _about(case, found, own, told), pastes[0]
+
+    def fit(base: bool) -> FitResult:
+        numbers: dict[str, Quantity] = {}
+        for one in told:
+            refined = one.coulomb, one.viscous, one.offset
+            mine = _numbers((one.base or refined) if base else refined, inertias[one.joint])
+            numbers |= {f"{one.joint}.{name}": value for name, value in mine.items()}
+        return _fit(numbers, {})
+
+    return case.result(
+        Model(inertias[lead.joint], lead.c, 0.0, lead.f_k, restoring=Restoring.NONE),
+        verdict=_verdict(told, own),
+        statement=" ".join(("The whole arm moves.", *said, *(one.statement for one in of_arm))),
+        baseline=fit(base=True),
+        refined=fit(base=False),
+        holdout={"spans_s": [], "baseline_rmse": {}, "refined_rmse": {}},
+        robot=case.robot(*pastes, mode="whole-arm", reduction=None, confounded=found.confounded, arm=arms),
+        files=files,
+        **more,
+    )
+
+
+def _inertia(case: JointCase, joint: str) -> float:
+    """About a joint's axis at the middle of the motion."""
+    middle = {n: float(np.mean(case.log.position[n])) for n in case.arm.joints if n in case.log.position}
+    return reduced(case.arm, joint, middle).moved
+
+
+def _about(
+    case: JointCase, found: WholeArm, own: Sequence[EntryResult], told: Sequence[JointFriction]
+) -> dict[str, Any]:
+    """What results of one and of all say alike."""
+    samples = min(one.samples for one in told)
+    return {
+        "mechanisms": [_mechanism(one, found.seconds, samples) for one in own],
+        "rules": found.rules,
+        "model_left_out": [_NO_MODEL.format(name=one.name) for one in own if one.family != "model"],
+        "warnings": [*case.arm.notes, *found.notes],
+    }
 
 
 def _entry(one: Entry, family: str) -> EntryResult:
@@ -112,11 +187,12 @@ def _entry(one: Entry, family: str) -> EntryResult:
     )
 
 
-def _verdict(joint: JointFriction, own: Sequence[EntryResult]) -> str:
+def _verdict(told: Sequence[JointFriction], own: Sequence[EntryResult]) -> str:
     """By the grade of what takes most off; where nothing is named, by whether more than the torque's noise is left."""
     if own:
         return _VERDICTS.get(own[0].grade, "unexplained")
-    return "adequate" if joint.remainder is not None and joint.remainder <= EXPLAINED.value else "unexplained"
+    quiet = all(one.remainder is not None and one.remainder <= EXPLAINED.value for one in told)
+    return "adequate" if quiet else "unexplained"
 
 
 def _mechanism(one: EntryResult, seconds: float, samples: int) -> MechanismResult:
@@ -129,11 +205,21 @@ def _mechanism(one: EntryResult, seconds: float, samples: int) -> MechanismResul
     )
 
 
-def _fit(numbers: Sequence[Quantity], inertia: float, rmse: dict[str, float]) -> FitResult:
-    f_k, c, offset = numbers
+def _numbers(found: Sequence[Quantity], inertia: float) -> dict[str, Quantity]:
+    f_k, c, offset = found
     unit = "kg" if "rad" not in c.unit else "kg m^2"
-    parameters = {"inertia": Quantity(inertia, None, unit, _GIVEN), "c": c, "f_k": f_k, "offset": offset}
+    return {"inertia": Quantity(inertia, None, unit, _GIVEN), "c": c, "f_k": f_k, "offset": offset}
+
+
+def _fit(parameters: Mapping[str, Quantity], rmse: dict[str, float]) -> FitResult:
     return FitResult.model_validate({"parameters": parameters, "rmse": rmse, "chi2_per_point": None})
+
+
+def _in_short(joint: JointFriction, own: Sequence[EntryResult]) -> str:
+    """The same where every joint has a sentence, and a table the numbers."""
+    curved = joint.curve
+    friction = f"friction is {joint.line[0]} and {joint.line[1]}." if curved is None else of_curve(curved)
+    return " ".join((f"{joint.joint}: {friction[:1].lower()}{friction[1:]}", *(one.statement for one in own)))
 
 
 def _statement(joint: JointFriction, own: Sequence[EntryResult]) -> str:
@@ -142,7 +228,7 @@ def _statement(joint: JointFriction, own: Sequence[EntryResult]) -> str:
     none = [] if more or joint.left is None else ["Nothing is named beside it."]
     line = stands_for(*joint.line, [effect.name for effect in joint.effects])
     over_speed = [] if joint.curve is None else [of_curve(joint.curve)]
-    return " ".join((f"The whole arm moves. {joint.statement}", *over_speed, *more, *none)) + line
+    return " ".join((joint.statement, *over_speed, *more, *none)) + line
 
 
 def _joint(one: JointFriction) -> JointResult:

@@ -3,7 +3,6 @@
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -145,6 +144,7 @@ def command(
              harness diagnose decay.csv --model slider.xml
              harness diagnose decay.csv --model mine.json \\
                  --engine mujoco --preset as-shipped
+             harness diagnose log.csv --robot arm.urdf
              harness diagnose log.csv --robot arm.urdf --joint elbow
              harness diagnose day-*.mcap --robot arm.urdf \\
                  --conditions days.csv
@@ -180,8 +180,6 @@ def command(
     with_robot = conditions if robot is None or not several else None
     refuse("given", "it is accepted with several logs and --robot FILE", conditions=with_robot)
     refuse("given with several logs", "it is accepted with one", join=(several and reading["join"]) or None)
-    if options.robot is not None and several:
-        options = replace(options, robot=replace(options.robot, any_joint=options.robot.joint is None))
     _refuse_beside(cluster, several, together, resume, jobs)
     if before:
         refuse("given with --before", "it is accepted without", together=together or None, resume=resume, jobs=jobs)

@@ -42,17 +42,26 @@ def arm_page(result: DiagnosisResult, shown: Shown) -> b.Page:
     """Friction of an arm's joints, and the torque that is left."""
     robot = _robot_of(result)
     assert robot.arm is not None
-    over_speed, engines, *more = joint_beside(result, shown)
-    sections = [
-        b.verdict(result.statement.replace("+-", "\u00b1"), result.warnings),
-        over_speed,
-        engines,
-        _joints(robot.arm.joints, robot.joint),
-        _found(robot.arm.found),
-        *more,
-        made_with(result.machine, result.files, result.command),
-    ]
-    return b.Page(f"Friction of {robot.joint}", result.recording.file, sections)
+    said = result.statement.replace("+-", "\u00b1")
+    table, named = _joints(robot.arm.joints, robot.joint), _found(robot.arm.found)
+    if any(one.joint == robot.joint for one in robot.arm.joints):
+        over_speed, engines, *more = joint_beside(result, shown)
+        sections = [b.verdict(said, result.warnings), over_speed, engines, table, named, *more]
+        title = f"Friction of {robot.joint}"
+    else:
+        curved = [one for one in robot.arm.joints if one.curve is not None]
+        own = Shown({name: rows[:: len(curved)] for name, rows in shown.left.items()}, shown.motions)
+        curves = [_curve(one.joint, one.curve, own.left) for one in curved]
+        each = [*(one.statement for one in robot.arm.joints), *(one.statement for one in robot.arm.found)]
+        each = [line.replace("+-", "\u00b1") for line in (*each, *result.warnings)]
+        sections = [
+            b.verdict(f"Friction of {len(curved)} joints of an arm that moves as a whole.", each),
+            table,
+            *curves,
+        ]
+        sections += [*_of_models(result, own, "rad"), named, *_told(result)]
+        title = "Friction of every joint"
+    return b.Page(title, result.recording.file, [*sections, made_with(result.machine, result.files, result.command)])
 
 
 def match_page(result: DiagnosisResult) -> b.Page:
@@ -69,11 +78,25 @@ def match_page(result: DiagnosisResult) -> b.Page:
 def joint_beside(result: DiagnosisResult, shown: Shown) -> list[b.Section]:
     """What is said of any robot's joint: torque that is left, engines against the log, pairs, what to paste."""
     robot, unit = _robot_of(result), result.baseline.parameters["f_k"].unit
-    pairs = [" and ".join(pair) for pair in robot.confounded]
     return [
         _curve(robot.joint, result.curve, shown.left),
-        *([_in_engines(robot.joint, robot.simulated, shown.motions, moved_in(unit))] if robot.simulated else []),
+        *_of_models(result, shown, moved_in(unit)),
         _torque(robot.joint, shown.left, unit),
+        *_told(result),
+    ]
+
+
+def _of_models(result: DiagnosisResult, shown: Shown, place: str) -> list[b.Section]:
+    """The copy of the model in engines. place : rad or m."""
+    robot = _robot_of(result)
+    return [_in_engines(robot.joint, robot.simulated, shown.motions, place)] if robot.simulated else []
+
+
+def _told(result: DiagnosisResult) -> list[b.Section]:
+    """What a log cannot tell apart, how it goes with its model, and what to paste."""
+    robot = _robot_of(result)
+    pairs = [" and ".join(pair) for pair in robot.confounded]
+    return [
         *([b.verdict("", pairs, heading="What this log cannot tell apart")] if pairs else []),
         *([_matches(robot.match)] if robot.match else []),
         _to_paste(robot.paste, result.model_left_out),
@@ -117,7 +140,7 @@ def _curve(joint: str, found: CurveResult | None, left: Left) -> b.Section:
     traces.append(plain("the line that is pasted", at, pasted, "muted", 1.4, mode="lines"))
     layout = axes(f"speed / ({place}/s)", f"torque minus rigid model / {per(found.unit)}", showlegend=True)
     figure = b.Figure(
-        "friction-curve", traces, layout, "Guarded samples. The band is as wide as blocks of time differ."
+        f"friction-curve-{joint}", traces, layout, "Guarded samples. The band is as wide as blocks of time differ."
     )
     laws = []
     for one in found.laws:
@@ -179,8 +202,8 @@ def _in_engines(joint: str, simulated: Sequence[SimulatedResult], motions: Seque
         notes += [f"{_version(one)}: {one.error}"] if one.error else one.left_out
     window = next((one.window_s for one in simulated if one.window_s), None)
     caption = "" if window is None else (
-        f"{joint} is driven by the torque of the log and the other joints are led along it, in windows of"
-        f" {window:g} s that each begin at the smoothed log."
+        f"{'Each joint in turn' if joint == 'all' else joint} is driven by the torque of the log and the other joints"
+        f" are led along it, in windows of {window:g} s that each begin at the smoothed log."
     )  # fmt: skip
     table = b.tabulated(
         "engine",
@@ -208,7 +231,8 @@ def engine_figures(motions: Sequence[Motion], place: str) -> list[b.Figure]:
 
 
 def _version(one: SimulatedResult) -> str:
-    return f"{one.engine} {one.version}".strip()
+    whose = "" if one.joint is None else f"{one.joint}, "
+    return f"{whose}{one.engine} {one.version}".strip()
 
 
 def _matches(match: Sequence[MatchResult]) -> b.Section:
@@ -225,7 +249,8 @@ def _matches(match: Sequence[MatchResult]) -> b.Section:
 
 def _to_paste(paste: PasteResult, left_out: Sequence[str] = ()) -> b.Section:
     """left_out : what those formats have no word for, a sentence each."""
-    dynamics, _, calls = paste.urdf.partition("\n")
+    lines = paste.urdf.splitlines()
+    dynamics, calls = ("\n".join(line for line in lines if line.startswith("<") is own) for own in (True, False))
     blocks: list[b.Block] = [
         b.Code(paste.mjcf, "MJCF, in the joint's element"),
         b.Code(dynamics, "URDF, in the joint's element"),

@@ -61,7 +61,8 @@ def torque_tabs(result: DiagnosisResult, shown: Shown) -> list[s.Layout]:
     for first; then the engines against the log."""
     robot = result.robot
     assert robot is not None
-    units = {robot.joint: result.baseline.parameters["f_k"].unit}
+    known = result.baseline.parameters.get("f_k")
+    units = {} if known is None else {robot.joint: known.unit}
     if robot.arm is not None:
         units |= {one.joint: one.f_k.unit for one in robot.arm.joints}
     tabs: list[s.Layout] = []
@@ -79,7 +80,7 @@ def torque_tabs(result: DiagnosisResult, shown: Shown) -> list[s.Layout]:
         ]
         time = Figure(f"{own}-time", traces, axes("time / s", label))
         tabs.append(s.Rows([time, *planes], [1.0, 1.3, 1.3], name))
-    plots = engine_figures(shown.motions, moved_in(units[robot.joint]))
+    plots = engine_figures(shown.motions, moved_in(units.get(robot.joint, "N m")))
     return [*tabs, s.Rows(plots, name="in engines")] if plots else tabs
 
 
