@@ -11,14 +11,18 @@ import math
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 
 from benchmarks.robot_calibrate.plant import JOINTS, Friction, Motion, Plant, seven_joints
 from harness.core.arrays import BoolArray, FloatArray
+from harness.core.quantity import Quantity
 from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm, load_arm
+from harness.robot.fleet import Compared, over_speed
+from harness.robot.fleet import compared as compared_logs
 from harness.robot.whole_arm.columns import signs
 from harness.robot.whole_arm.differentiate import differentiate
 from harness.robot.whole_arm.perturb import inertials, moving_bodies, with_load, with_mass
@@ -184,6 +188,50 @@ def compared(log: JointLog, arm: Arm, lowpass: float | None) -> tuple[WholeArm, 
     return found, far, ratios
 
 
+def between_logs(seed: int, number: int, logs: int, varies: float) -> list[Compared]:
+    """Curves of several logs of one robot, each with another motion and another load that its user does not know.
+
+    varies : standard deviation of the logarithm of a joint's friction from log to log.
+    """
+    rng = np.random.default_rng((seed, number))
+    one = robot(rng, wrong=False)
+    values: list[dict[str, dict[str, Quantity]]] = [{} for _ in range(logs)]
+    found = []
+    for _ in range(logs):
+        times = np.exp(varies * rng.standard_normal(JOINTS))
+        effects = {j: _over_speed(_scaled(shape, times[j])) for j, shape in enumerate(one.shapes)}
+        loaded = with_load(one.arm, float(rng.uniform(0.0, 2.0)), rng.uniform(-0.05, 0.05, 3))
+        plant = replace(one.plant, arm=loaded, effects=effects)
+        plant = replace(plant, coulomb=plant.coulomb * times, viscous=plant.viscous * times)
+        found.append(whole_arm(plant.log(rng, Motion.drawn(rng), SECONDS, RATE), one.arm, lowpass=LOWPASS))
+    for name in one.arm.joints:
+        _, told = over_speed([each.joint(name).curve for each in found])
+        for own, mine in zip(values, told, strict=True):
+            own[name] = mine
+    return list(compared_logs(values))
+
+
+def _scaled(shape: Shape, by: float) -> Shape:
+    return lambda v: by * shape(v)
+
+
+def _said_between(rows: Sequence[Sequence[Compared]]) -> None:
+    """rows : by robot."""
+    inside, shares, differ = list[bool](), list[float](), list[bool]()
+    for own in rows:
+        share = math.sqrt(float(np.mean([(one.between / (one.mean.value or 1.0)) ** 2 for one in own])))
+        shares.append(share)
+        for one in own:
+            differ.append(one.differs)
+            spread = share * abs(one.mean.value or 0.0)
+            there = [(q.value or 0.0, q.stderr or 0.0) for q in one.values if q is not None]
+            for (x, e), (y, f) in combinations(there, 2):
+                inside.append(abs(x - y) < 1.96 * math.sqrt(e**2 + f**2 + 2.0 * spread**2))
+    print(f"between logs: {np.mean(shares):.2%} of friction (root mean square of each robot, mean)")
+    print(f"bands of two logs hold their difference: {_share(np.array(inside))}")
+    print(f"said to differ: {_share(np.array(differ))} of speeds of joints")
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Draw, and print; exit code."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.robot_calibrate.curves")
@@ -192,7 +240,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--each", action="store_true", help="a line for every joint")
     parser.add_argument("--log", type=Path, help="a log of one's own, with --robot")
     parser.add_argument("--robot", type=Path)
+    parser.add_argument("--logs", type=int, help="compare so many logs of each robot instead")
+    parser.add_argument("--varies", type=float, default=0.0, help="by which friction differs from log to log, a share")
     told = parser.parse_args(argv)
+    if told.logs is not None:
+        _said_between([between_logs(told.seed, n, told.logs, told.varies) for n in range(told.draws)])
+        return 0
     if told.log is not None:
         return _own(told.log, told.robot)
     far, ratios, inside = list[float](), list[float](), list[BoolArray]()

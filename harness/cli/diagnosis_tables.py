@@ -250,6 +250,8 @@ def _fleet(fleet: "FleetResult") -> None:
     rows = []
     for row in fleet.rows:
         same = "differs" if row.differs else f"{row.chance:.2g}"
-        rows.append((f"{row.joint} {row.parameter}", *map(with_error, row.values), same))
-    show_rows(("joint", *(Path(log.file).name for log in fleet.logs), "the same?"), rows)
+        between = f"{row.between / abs(row.mean.value):.1%}" if row.mean.value else "-"
+        at = "" if row.speed is None else f", {row.speed:.2g}"
+        rows.append((f"{row.joint} {row.parameter}{at}", *map(with_error, row.values), between, same))
+    show_rows(("joint", *(Path(log.file).name for log in fleet.logs), "between", "the same?"), rows)
     say_all(fleet.statements)

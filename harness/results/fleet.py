@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from harness.results.common import Machine, P, Result
+from harness.results.common import Machine, P, Result, rare
 from harness.results.diagnosis import RuleResult
 
 
@@ -27,9 +27,11 @@ class FleetRow(Result):
     """One parameter of one joint over the logs."""
 
     joint: str
-    parameter: str
+    parameter: str = Field(description="slow, middle or fast: friction there; f_k or c where logs share no speeds")
+    speed: float | None = rare("rad/s or m/s, at which friction is compared")
     values: list[P | None] = Field(description="one a log, in their order; null where a log says nothing of it")
-    mean: P = Field(description="weighted")
+    mean: P = Field(description="weighted; its error counts the spread between logs")
+    between: float = Field(default=0.0, description="standard deviation of the logs beyond their errors")
     chi2: float = Field(description="sum of squares of value minus mean over error")
     freedom: int
     chance: float = Field(description="probability of such a scatter where it is the same in all logs")

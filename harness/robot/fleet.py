@@ -5,15 +5,18 @@ chi-square of n - 1 (Birge 1932). All parameters of all joints are asked at once
 of the chance alone (Bonferroni).
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import Protocol
 
 import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.quantity import Quantity
 from harness.diagnosis.rules import Rule
+from harness.robot.friction_curve import splines
 
 CHANCE = Rule(
     "fleet-chance",
@@ -39,7 +42,9 @@ class Compared:
 
     values : one a log, None where that says nothing. mean : weighted. chi2, freedom, chance : of being the same in all;
     chance is the probability of such a scatter. apart : the number of the log farthest from the others' mean, in its
-    and their errors. differs : by more than errors allow, all that is asked counted.
+    and their errors. differs : by more than errors allow, all that is asked counted. between : standard deviation
+    of the logs beyond their errors, which the mean's error has in it (DerSimonian and Laird 1986, Control. Clin. Trials
+    7, 177).
     """
 
     joint: str
@@ -51,11 +56,63 @@ class Compared:
     chance: float
     apart: int
     differs: bool
+    between: float = 0.0
     trends: tuple[Trend, ...] = ()
 
 
 Values = Mapping[str, Mapping[str, Quantity]]
 """Of one log, by joint and by parameter."""
+
+
+class Curve(Protocol):
+    """Friction over speed with a band of 95 %, as curves of joints and their results have it."""
+
+    @property
+    def v(self) -> Sequence[float] | FloatArray: ...
+    @property
+    def friction(self) -> Sequence[float] | FloatArray: ...
+    @property
+    def low(self) -> Sequence[float] | FloatArray: ...
+    @property
+    def high(self) -> Sequence[float] | FloatArray: ...
+    @property
+    def unit(self) -> str: ...
+
+
+SLOW, MIDDLE, FAST = "slow", "middle", "fast"
+"""Speeds at which curves are compared: the ends of what all of them cover, and between."""
+_WIDE = 3.92
+"""Errors in a band of 95 %."""
+
+
+def over_speed(curves: Sequence[Curve | None]) -> tuple[dict[str, float], list[dict[str, Quantity]]]:
+    """Speeds that all curves of a joint cover, by name, and of each log friction at them, mean of both directions.
+
+    Nothing where fewer than two logs have a curve, or they have no speeds in common.
+    """
+    knots = {i: np.asarray(one.v)[len(one.v) // 2 :] for i, one in enumerate(curves) if one is not None}
+    none: list[dict[str, Quantity]] = [{} for _ in curves]
+    if len(knots) < 2:
+        return {}, none
+    slow, fast = max(float(k[0]) for k in knots.values()), min(float(k[-1]) for k in knots.values())
+    if slow >= fast:
+        return {}, none
+    speeds = {SLOW: slow, MIDDLE: math.sqrt(slow * fast), FAST: fast}
+    at = np.array(list(speeds.values()))
+    for i, own in knots.items():
+        one = curves[i]
+        assert one is not None
+        on = splines(at, np.ones_like(at), own)
+        size = (on - on[:, ::-1]) @ np.asarray(one.friction) / 2.0
+        wide = (np.asarray(one.high) - np.asarray(one.low)) / _WIDE
+        both = np.hypot(wide[own.size :], wide[: own.size][::-1]) / 2.0
+        errors = np.interp(at, own, both)
+        none[i] = {
+            name: Quantity(float(x), float(e), one.unit) for name, x, e in zip(speeds, size, errors, strict=True)
+        }
+    return speeds, none
+
+
 Conditions = Mapping[str, Sequence[float | None]]
 """By name, one number a log, None where it is not known."""
 
@@ -80,8 +137,10 @@ def _compared(
 
     there = {i: q for i, q in enumerate(values) if q is not None}
     x, s = (np.array([getattr(q, what) for q in there.values()], dtype=np.float64) for what in ("value", "stderr"))
-    mean, error = _mean(x, s)
+    mean, _ = _mean(x, s)
     chi2, freedom = float(np.sum(((x - mean) / s) ** 2)), x.size - 1
+    between = _between(chi2, s)
+    mean, error = _mean(x, np.hypot(s, between))
     chance = float(chdtrc(freedom, chi2))
     without = [_mean(np.delete(x, i), np.delete(s, i)) for i in range(x.size)]
     far = [abs(x[i] - others) / float(np.hypot(s[i], spread)) for i, (others, spread) in enumerate(without)]
@@ -89,7 +148,7 @@ def _compared(
     trends = (_trend(what, [given[i] for i in at], x, s, unit, level) for what, given in conditions.items())
     return Compared(
         joint, name, values, Quantity(mean, error, unit), chi2, freedom, chance, at[int(np.argmax(far))],
-        chance < level, tuple(one for one in trends if one is not None),
+        chance < level, between, tuple(one for one in trends if one is not None),
     )  # fmt: skip
 
 
@@ -97,6 +156,13 @@ def _mean(x: FloatArray, s: FloatArray) -> tuple[float, float]:
     """Weighted mean and its error."""
     weights = 1.0 / s**2
     return float(weights @ x / weights.sum()), float(weights.sum() ** -0.5)
+
+
+def _between(chi2: float, s: FloatArray) -> float:
+    """Standard deviation between logs that such a scatter has beyond errors (k,)."""
+    w = 1.0 / s**2
+    beyond = chi2 - (s.size - 1)
+    return math.sqrt(max(beyond, 0.0) / float(w.sum() - np.sum(w**2) / w.sum()))
 
 
 def _trend(

@@ -199,12 +199,11 @@ def _asked(problem: Problem, joint: int) -> list[Candidate]:
     """What friction may change with."""
     filtered, part = problem.filtered, problem.parts[joint]
     load, q = np.abs(problem.gravity[:, joint]), filtered.q[:, filtered.dof[joint]]
-    every = {("position", "1/rad"): q, ("time", "1/s"): filtered.t}
+    every = {("position", "N m/rad"): q, ("time", "N m/s"): filtered.t}
     if np.ptp(load) > _NOTHING * float(np.sqrt(np.mean(filtered.torque[:, joint] ** 2))):
-        every = {(LOADED, ""): load, **every}
+        every = {(LOADED, "1"): load, **every}
     made = []
-    for (what, per), column in every.items():
+    for (what, unit), column in every.items():
         own = _less_mean(part.base[:, :1] * column[:, None], part)
-        unit = f"N m {per}" if per else "1"
         made.append(of_friction(f"friction by {what}", joint, ((what, unit),), own))
     return made

@@ -27,7 +27,7 @@ from harness.show.plots import GROUP, axes, curve, dots, per, plain, some
 from harness.show.report.page import made_with
 from harness.show.stored import AFTER, AFTER_NAME, BEFORE, BEFORE_NAME, Left, Motion, Shown, moved_in
 
-_FRICTION = {"f_k": "Coulomb", "c": "viscous"}
+_FRICTION = {"f_k": "Coulomb", "c": "viscous", "slow": "slow", "middle": "middle", "fast": "fast"}
 _AS_IT_IS, _PASTED = "the model as it is", "with what is pasted"
 _POINTS = 6000
 _STILL: dict[str, Any] = {"meta": {"curve": False}}
@@ -383,6 +383,7 @@ def fleet_sections(fleet: FleetResult) -> list[b.Section]:
     trends = dict.fromkeys(t.name for row in fleet.rows for t in row.trends)
     columns = [
         *(b.Column(name, b.by(i, lambda row, i: _or_dash(row.values[i]))) for i, name in enumerate(logs)),
+        b.Column("between logs", _between, "%", "standard deviation beyond errors, of the mean"),
         b.Column("the same?", _same, "", "probability of such a scatter where it is"),
         *(b.Column(f"per {name}", b.by(name, _slope)) for name in trends),
     ]
@@ -390,18 +391,25 @@ def fleet_sections(fleet: FleetResult) -> list[b.Section]:
         "joint",
         columns,
         fleet.rows,
-        lambda row: f"{row.joint}, {_FRICTION[row.parameter]}",
+        lambda row: f"{row.joint}, {_FRICTION[row.parameter]}{'' if row.speed is None else f' ({row.speed:.2g})'}",
         lambda row: row.mean.unit,
     )
     return [
         b.verdict(first, more, heading="Over all logs"),
         b.Section("Joints over logs", [table]),
-        b.Section("How far each log is from the mean", some([_spread(fleet, logs, name) for name in _FRICTION])),
+        b.Section(
+            "How far each log is from the mean",
+            some([_spread(fleet, logs, n) for n in dict.fromkeys(row.parameter for row in fleet.rows)]),
+        ),
     ]
 
 
 def _or_dash(p: P | None, grade: int | None = None) -> b.Cell:
     return b.Cell("-") if p is None else b.measured(p, grade=grade)
+
+
+def _between(row: FleetRow) -> str:
+    return number(100.0 * row.between / abs(row.mean.value), 2) if row.mean.value else "-"
 
 
 def _same(row: FleetRow) -> b.Cell:
