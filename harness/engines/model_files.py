@@ -16,12 +16,14 @@ from lxml import etree
 from harness.core.slider import Slider
 from harness.engines import models
 from harness.engines.base import choice
+from harness.engines.friction_file import friction_file
 from harness.engines.joint_words import GRAVITY, JOINT, JointWords, Kinds, elements, words_of
 from harness.model.model import Model, Restoring
 from harness.model.term import Push, Slot
 
 _PUSH: Kinds = frozenset({Push})
 SLIDER, HINGE = "slider", "pendulum"
+FRICTION = "friction.py"
 _OWN = 1e-6
 """Share of the inertia about the mass's own centre."""
 _SEEN = 0.2
@@ -161,7 +163,7 @@ def cannot_say(model: Model, suffix: str, angular: bool = False) -> tuple[str, .
 
 
 def export(model: Model, into: Path, angular: bool = False) -> dict[str, Path]:
-    """Write NAME.xml, NAME.urdf and not_said.txt (what they leave out) to a folder, which is made.
+    """Write NAME.xml, NAME.urdf, not_said.txt (what they leave out) and friction.py to a folder, which is made.
 
     NAME : see ``file_name``. Returns the files by name. Raises StoreError when the folder cannot be written.
     """
@@ -171,5 +173,6 @@ def export(model: Model, into: Path, angular: bool = False) -> dict[str, Path]:
         f"{name}.xml": _hinge_mjcf(model) if hinge else mjcf(model),
         f"{name}.urdf": _hinge_urdf(model) if hinge else models.text_of(models.urdf(_slider(model), SLIDER)),
         "not_said.txt": ("\n".join(said) + "\n").encode(),
+        FRICTION: friction_file(model, "hinge" if hinge else "slide", native=True).encode(),
     }
     return models.written(into, texts)

@@ -323,6 +323,7 @@ class Term:
     that comes back to the same places and speeds), "both-ways" (both directions).
     several : whether a model may have more than one. place : where it acts. only_there : whether nothing outside of
     those times shows it. words : more words of the sentence, from values and k. elements : see harness.model.term.
+    in_python : the law as an expression of f_k, x, v, t and the parameters, for files that stand alone.
     as_named : whether values are what the name says; a law bent beyond it is not named.
     searched : whether it is looked for as a name; a table is none, and neither is a law whose form is freed.
     taken : share of the simulated machines without it of whose misfit it takes most all the same; 0 where that is no
@@ -360,6 +361,7 @@ class Term:
     words: Callable[[tuple[float, ...], float], Mapping[str, str]] = _nothing
     as_named: Callable[[Probe, Extent], bool] = _always
     elements: MadeOf | None = None
+    in_python: str = ""
     told_from: Mapping[str, str] = field(default_factory=dict)
     steps_alike: bool = False
     searched: bool = True

@@ -4,7 +4,9 @@ import json
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -104,6 +106,13 @@ def test_what_is_pasted_stands_for_a_law_that_no_model_has(tmp_path: Path) -> No
     v = np.abs(np.gradient(log.position["shoulder"], log.t))
     pasted, lost = copy.frictionloss[i] * v + copy.damping[i] * v**2, 0.03 * v + 0.05 * v**2 + c2 * v**3
     assert np.mean(pasted) == pytest.approx(np.mean(lost), rel=0.15)
+    own: dict[str, Any] = {}
+    exec(Path(result.files["friction"]).read_text(encoding="utf-8"), own)
+    assert own["JOINT"] == "shoulder"
+    assert own["viscous"](0.0, -2.0, 0.0) == pytest.approx(-4.0 * c2, rel=0.2)
+    model = load_arm(Path(result.files["robot_mjcf"])).model
+    own["attach"](model, mujoco.MjData(model))()
+    assert model.dof_frictionloss[i] == 0.0
 
 
 def test_a_log_in_turns_of_its_own_is_counted_from_the_nearest_rest() -> None:

@@ -18,6 +18,8 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.core.robot.joint_log import JointLog
 from harness.diagnosis.kinds.known import kind_of
+from harness.engines.friction_file import friction_file
+from harness.engines.model_files import FRICTION
 from harness.io.logs.read import read_joint_log
 from harness.io.options import ReadOptions
 from harness.model.model import Restoring
@@ -147,6 +149,9 @@ def _finish(
         files = case.copied(
             [paste], folder, lambda name: f"robot_{name}" if (folder / "model" / name).exists() else name
         )
+        law = done.outcome.refined.model
+        text = friction_file(law, case.joint, one.rest + law.offset)
+        (folder / "model" / FRICTION).write_text(text, encoding="utf-8")
         if not files:
             LOGGER.warning("%s: no element of its own has the joint %s", case.asked.file, case.joint)
         return replace(done, result=result, shown=shown), files

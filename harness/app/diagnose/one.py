@@ -111,6 +111,7 @@ def _write(output: OutputFolder, found: Diagnosed, progress: Progress, finish: F
     found, more_files = finish(found, output.work)
     name = model_files.file_name(model, problem.angular)
     named = {**FILES, "mjcf": f"model/{name}.xml", "urdf": f"model/{name}.urdf", **more_files}
+    named |= {"friction": f"model/{model_files.FRICTION}"}
     write_trace_csv(output / FILES["refined_trace"], found.simulated[1], found.recording, outcome)
     force = kind_of(problem).left_over(problem, outcome.base, outcome.scales)
     write_map(output / FILES["residual_map"], force)

@@ -23,5 +23,6 @@ TERM = Term(
     amplitude=0,
     needs=("both-ways",),
     example=(0.3,),
+    in_python="c_diff * abs(v)",
     order=100,
 )

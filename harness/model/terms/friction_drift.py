@@ -35,5 +35,6 @@ TERM = Term(
     place=place,
     told_from={"position-dependent-friction": AGAIN, "quadratic-drag": AGAIN},
     taken=0.08,
+    in_python="1.0 + rate * t",
     order=70,
 )

@@ -31,5 +31,6 @@ TERM = Term(
         "quadratic-drag": LARGER,
         "friction-drift": AGAIN,
     },
+    in_python="1.0 + gain * abs(x)",
     order=55,
 )

@@ -33,5 +33,6 @@ TERM = Term(
         "quadratic-drag": LARGER,
         "friction-drift": AGAIN,
     },
+    in_python="1.0 + gain * abs(sin(x))",
     order=56,
 )

@@ -40,5 +40,6 @@ TERM = Term(
     phase=2,
     example=(0.3, 7.0, 0.2),
     needs=("one-clock",),
+    in_python="1.0 + depth * cos(Omega * t + phase)",
     order=80,
 )

@@ -45,5 +45,6 @@ TERM = Term(
     needs=("returns",),
     example=(0.4, 0.3, 0.3),
     taken=0.08,
+    in_python="1.0 + depth * cos(2.0 * pi * x / period + phase)",
     order=60,
 )

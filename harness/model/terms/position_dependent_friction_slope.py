@@ -24,5 +24,6 @@ TERM = Term(
     needs=("returns",),
     example=(0.4,),
     taken=0.08,
+    in_python="1.0 + slope * x",
     order=50,
 )

@@ -38,5 +38,6 @@ TERM = Term(
     amplitude=0,
     example=(0.8, 0.5),
     corner=True,
+    in_python="c_p * sign(v) * abs(v) ** exponent",
     order=110,
 )

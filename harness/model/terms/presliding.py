@@ -91,5 +91,6 @@ TERM = Term(
     place=always("reversal", "after each reversal, until the bristles slide"),
     told_from={"regularised-friction": REST},
     taken=0.1,
+    in_python="sigma0 * z + sigma1 * (v - sigma0 * abs(v) * z / level)",
     order=30,
 )

@@ -29,6 +29,7 @@ TERM = Term(
     example=(0.2,),
     place=always("high-speed", "as v^2"),
     elements=made_of,
+    in_python="c2 * abs(v) * v",
     taken=0.05,
     order=90,
 )

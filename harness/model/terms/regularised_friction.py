@@ -54,5 +54,6 @@ TERM = Term(
     as_named=near_rest,
     steps_alike=True,
     taken=0.07,
+    in_python="clip((v + lead * a) / v_r, -1.0, 1.0)",
     order=40,
 )

@@ -48,5 +48,6 @@ TERM = Term(
     example=(5.0, 0.8),
     place=place,
     as_named=falls,
+    in_python="f_s + (f_k - f_s) * (1.0 - exp(-((v / v_s) ** 2)))",
     order=10,
 )
