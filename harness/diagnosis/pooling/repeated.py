@@ -117,7 +117,8 @@ def _with_own(
             base = _jointly(before.base.model, problem, scales, before.compared.alone)
             problem = replace(problem, noise=noise_of(base, problem, scales.omega))
             base = settle(under(base, problem), problem, scales)
-            again = search(problem, base, scales, alone=extend(base, problem, scales, also=[law.model]))
+            parts = [replace(law.model, terms=(entry,)) for entry in law.model.terms]
+            again = search(problem, base, scales, alone=extend(base, problem, scales, also=parts))
             return (again, replace(before, problem=problem, base=base)) if again.explained else None
     return None
 
