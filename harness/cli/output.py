@@ -158,6 +158,8 @@ def say_paste(paste: "PasteResult") -> None:
     say("to paste into your model (MJCF; URDF with PyBullet's calls):")
     for line in (*paste.mjcf.splitlines(), *paste.urdf.splitlines()):
         say_as_it_is(f"  {line}")
+    if paste.isaac:
+        say("the page and --json have it for Isaac Lab, Newton, SDF, Genesis, Drake and a ROS 2 controller")
 
 
 def this_line() -> str:

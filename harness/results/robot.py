@@ -29,6 +29,12 @@ class PasteResult(Result):
 
     mjcf: str
     urdf: str
+    isaac: str = Field(default="", description="Isaac Lab's actuators, and attributes of PhysX's joints in a USD")
+    newton: str = Field(default="", description="of a ModelBuilder")
+    sdf: str = Field(default="", description="in the joint's axis")
+    genesis: str = Field(default="", description="of a RigidEntity")
+    drake: str = Field(default="", description="of a MultibodyPlant")
+    ros2: str = Field(default="", description="parameters of a controller: Coulomb, viscous, width of a tanh")
     warning: str = Field(default="", description="why it is not to be pasted yet; empty where it helps")
 
 

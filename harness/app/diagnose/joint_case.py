@@ -22,6 +22,7 @@ from harness.results.diagnosis import DiagnosisResult, FitResult, HoldoutResult,
 from harness.results.robot import MatchResult, PasteResult, RobotResult, SimulatedResult
 from harness.robot.arm import Arm
 from harness.robot.coupling import Coupling
+from harness.robot.elsewhere import elsewhere
 from harness.robot.match.compared import Compared
 from harness.robot.match.sampled import RULES
 from harness.robot.paste import JointPaste, copies
@@ -69,6 +70,7 @@ class JointCase:
             paste=PasteResult(
                 mjcf=_lines(one.mjcf for one in pastes),
                 urdf=_lines(f"<!-- {one.joint} -->\n{one.urdf}" if pastes[1:] else one.urdf for one in pastes),
+                **elsewhere(pastes, self.arm.slides),
             ),
             match=[MatchResult.taken_from(one, slope_stderr=one.error) for one in self.compared.matches],
             **more,

@@ -23,6 +23,7 @@ from harness.results.robot import PasteResult
 from harness.results.run import JointRunResult, JointScore
 from harness.robot.arm import Arm, load_arm
 from harness.robot.as_it_is import as_it_is
+from harness.robot.elsewhere import elsewhere
 from harness.robot.own_model import words
 from harness.robot.paste import JointPaste, copies
 from harness.robot.pictured import moved
@@ -167,7 +168,7 @@ def _computed(
         scores=scores,
         as_it_is=itself_in(itself, asked.file, own, asked.gravity, asked.plan, scores, tuned),
         servo=servo_scores(itself),
-        paste=PasteResult(mjcf=paste.mjcf, urdf=paste.urdf),
+        paste=PasteResult(mjcf=paste.mjcf, urdf=paste.urdf, **elsewhere([paste], arm.slides)),
         conclusions=[],
         command=command,
         machine=this_machine(),

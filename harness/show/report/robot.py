@@ -256,6 +256,19 @@ def _to_paste(paste: PasteResult, left_out: Sequence[str] = ()) -> b.Section:
         b.Code(dynamics, "URDF, in the joint's element"),
     ]
     blocks += [b.Code(calls, "PyBullet, for what it does not read of a URDF")] if calls else []
+    others = [
+        b.Code(text, title)
+        for title, text in {
+            "Isaac Lab, and PhysX in a USD": paste.isaac,
+            "Newton": paste.newton,
+            "SDF": paste.sdf,
+            "Genesis": paste.genesis,
+            "Drake": paste.drake,
+            "ROS 2, for a controller": paste.ros2,
+        }.items()
+        if text
+    ]
+    blocks += [b.Folded("For other engines and a controller", others)] if others else []
     blocks += [b.Items(left_out, "What these formats have no word for")] if left_out else []
     return b.Section("What to paste into the model", blocks)
 
