@@ -71,7 +71,7 @@ def _runs(result: SceneResult) -> b.Section:
         b.Column("creep", lambda run: _graded(run[1], result), "µm/s", "mean speed across the contact"),
         b.Column("spin", lambda run: number(run[1].spin_rad_s, 2), "rad/s"),
         b.Column("lift", lambda run: number(run[1].lift_m * 1e3, 2), "mm"),
-        b.Column("deceleration", lambda run: run[1].deceleration_m_s2, "m/s²"),
+        *([] if result.expected.rests else [b.Column("deceleration", lambda run: run[1].deceleration_m_s2, "m/s²")]),
         b.Column("cone", lambda run: _percent(run[1].cone_use), "%", "share of the friction cones in use"),
         b.Column("steps", lambda run: number(run[1].steps_per_s / 1e3, 3), "1000/s", "per second of a processor"),
     ]
