@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import jsonschema
+import mujoco
 import pytest
 
 from harness.app.words import words
@@ -195,6 +196,29 @@ def test_files_that_packages_ship_are_read_and_only_what_is_wrong_is_named() -> 
     assert {(one.place, "joint_properties" in one.problem) for one in found} == {
         (f"joint {side}_wheel_joint", True) for side in ("right_front", "right_back", "left_front", "left_back")
     }
+
+
+GEOMS = """<mujoco><default>{}</default><worldbody><geom type="plane" size="1 1 1" {}/>
+<body><freejoint/><geom size="0.1" friction="0.5 0.1 0.1" {}/></body></worldbody></mujoco>"""
+
+
+@pytest.mark.parametrize("default", ["", '<geom condim="1"/>', '<geom condim="6"/>'])
+@pytest.mark.parametrize(
+    ("floor", "ball"), [("", 'condim="1"'), ('condim="1"', 'condim="1"'), ("", ""), ('condim="4"', "")]
+)
+def test_a_contact_has_the_larger_condim_of_two_geoms(tmp_path: Path, default: str, floor: str, ball: str) -> None:
+    path = tmp_path / "a.xml"
+    path.write_text(GEOMS.format(default, floor, ball))
+    own = mujoco.MjModel.from_xml_path(str(path))
+    friction = next(one for one in words_in(path)[1] if one.value == "0.5 0.1 0.1")
+    assert bool(friction.problem) == (own.geom_condim.max() == 1)
+
+
+def test_a_library_of_classes_is_no_mistake(tmp_path: Path) -> None:
+    path = tmp_path / "part.xml"
+    path.write_text(f"<mujocoinclude>{CLASS}</mujocoinclude>")
+    form, found = words_in(path)
+    assert (form, [one.problem for one in found]) == ("mjcf", [""])
 
 
 @pytest.mark.parametrize(

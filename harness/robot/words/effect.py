@@ -34,7 +34,7 @@ def without_effect(form: Form, word: Word, value: str, node: Node, nodes: Sequen
 
 def _in_mjcf(word: Word, value: str, node: Node, nodes: Sequence[Node]) -> Lost | None:
     numbers = [float(part) for part in value.split()] if word.unit != "enable, disable" else []
-    if (lost := _of_a_class(node, nodes)) or not any(numbers) or (lost := _switched_off(word, node, nodes)):
+    if (lost := _of_a_class(word, node, nodes)) or not any(numbers) or (lost := _switched_off(word, node, nodes)):
         return lost
     return _beside(word.name, numbers, node, nodes)
 
@@ -49,32 +49,28 @@ def _beside(name: str, numbers: Sequence[float], node: Node, nodes: Sequence[Nod
     elif node.tag == "general" and name == "biasprm" and has.get("biastype", "none") == "none" and "class" not in has:
         lost = Lost("biastype is none", 'add biastype="affine"', _MUJOCO)
     elif name == "friction" and node.tag in ("geom", "pair"):
-        others = (n.attributes for n in nodes if n is not node)
-        if "default" not in node.way or not any("condim" in one or "contype" in one for one in others):
-            lost = _of_a_shape(numbers, node)
+        lost = _of_a_shape(numbers, node, nodes)
+    elif name in ("kv", "dampratio") and {"kv", "dampratio"} <= set(has):
+        lost = Lost("kv and dampratio stand side by side, and the file is refused", "leave one of the two out", _MUJOCO)
     elif name == "o_friction" and not any(n.attributes.get("override") == "enable" for n in nodes if n.tag == "flag"):
         lost = Lost("overrides are not enabled", 'add <flag override="enable"/> to <option>', _MUJOCO)
     return lost
 
 
-def _of_a_class(node: Node, nodes: Sequence[Node]) -> Lost | None:
+def _of_a_class(word: Word, node: Node, nodes: Sequence[Node]) -> Lost | None:
     """A default that nothing in the file has."""
     inside = next((one for one in node.above() if one.tag == "default"), None)
     name = None if inside is None else inside.attributes.get("class")
     if inside is None or name in (None, "main") or inside.parent is None or inside.parent.tag != "default":
         return None
-    used = {
-        n.attributes[key]
-        for n in nodes
-        for key in ("class", "childclass")
-        if key in n.attributes and n.tag != "default"
-    }
+    outside = [n for n in nodes if "default" not in n.way]
+    used = {n.attributes[key] for n in outside for key in ("class", "childclass") if key in n.attributes}
     within = {one.attributes.get("class") for one in nodes if one.tag == "default" and inside in list(one.above())}
-    return (
-        None
-        if used & (within | {name})
-        else Lost(f"nothing is of the class {name}", f'add class="{name}" to the joint')
-    )
+    # a library of classes is none of a mistake: one is, where the word stands nowhere else in a file with joints
+    elsewhere = [n for n in nodes if word.name in n.attributes and inside not in list(n.above())]
+    if used & (within | {name}) or elsewhere or not any(n.tag == node.tag for n in outside):
+        return None
+    return Lost(f"nothing is of the class {name}", f'add class="{name}" to the {node.tag}')
 
 
 _FLAGS = {
@@ -104,15 +100,23 @@ def _nothing(name: str, node: Node, nodes: Sequence[Node]) -> bool:
     )
 
 
-def _of_a_shape(numbers: Sequence[float], node: Node) -> Lost | None:
+def _of_a_shape(numbers: Sequence[float], node: Node, nodes: Sequence[Node]) -> Lost | None:
+    """A contact has the larger condim of its two geoms, 3 where a geom says none; a pair has its own."""
     has = node.attributes
-    condim = has.get("condim")
-    if node.tag == "geom" and has.get("contype") == "0" and has.get("conaffinity") == "0":
-        return Lost("contype and conaffinity are 0: it touches nothing, but by a pair", "", ())
+    usual = {
+        n.attributes["condim"] for n in nodes if n.tag == "geom" and "default" in n.way and "condim" in n.attributes
+    }
+    # one default of the whole file, or none, is what a geom has that says nothing; of several the largest is supposed
+    usual = usual if len(usual) == 1 and not any("class" in n.attributes for n in nodes) else usual | {"3"}
+    own = {n.attributes.get("condim", max(usual)) for n in nodes if n.tag == "geom" and "default" not in n.way}
+    largest = max(own | (usual if not own else set()))
+    condim = has.get("condim", "3") if node.tag == "pair" else largest
     if condim == "1":
-        return Lost("condim is 1, a contact without friction", 'write condim="3"', _MUJOCO)
-    first = 1 if node.tag == "geom" else 2
-    if condim == "3" and len(numbers) > first and "class" not in has:
+        partly = "default" in node.way  # what it touches may stand in another file
+        return Lost("condim is 1, a contact without friction", 'write condim="3"', _MUJOCO, partly)
+    if node.tag == "geom" and "default" not in node.way and has.get("contype") == has.get("conaffinity") == "0":
+        return Lost("contype and conaffinity are 0", "it touches nothing, but by a pair", partly=True)
+    if condim == "3" and any(numbers[1 if node.tag == "geom" else 2 :]) and "condim" in has:
         return Lost("its torsional and rolling parts want condim 4 and 6", 'write condim="6"', partly=True)
     return None
 

@@ -79,6 +79,8 @@ def _of_node(form: Form, node: Node) -> Iterator[tuple[Found, Node]]:
     """Words that a node is or has, each with the node that holds it."""
     if any(one.tag in _NOT_LOOKED_INTO for one in node.above()) or (form == "urdf" and node.way[0] != "robot"):
         return
+    if form == "urdf" and "gazebo" in node.way[:-2]:
+        return  # SDF that is handed on
     holder = node.parent
     if form != "usd" and holder is not None:
         own = _known(form, holder.way, node.tag, element=True)

@@ -16,7 +16,13 @@ from harness.robot.paste import tags
 from harness.robot.words.table import Form
 
 ACCEPTED: Final = "an MJCF, URDF or SDF, or a USD as text (.usda), is accepted"
-_ROOTS: Final[dict[str, Form]] = {"mujoco": "mjcf", "robot": "urdf", "sdf": "sdf", "gazebo": "sdf"}
+_ROOTS: Final[dict[str, Form]] = {
+    "mujoco": "mjcf",
+    "mujocoinclude": "mjcf",
+    "robot": "urdf",
+    "sdf": "sdf",
+    "gazebo": "sdf",
+}
 _USD = (".usd", ".usda", ".usdc", ".usdz")
 
 

@@ -63,6 +63,7 @@ class Word:
     def stands(self, way: tuple[str, ...]) -> bool:
         """Whether an element that holds the word may be at the end of ``way``, the names from the root down."""
         parents: tuple[str, ...] = (way[-2],) if len(way) > 1 else ("",)
+        parents = ("mujoco",) if parents == ("mujocoinclude",) else parents
         if self.form == "mjcf" and parents[0] in _OF_BODIES:
             parents = (*parents, "body", *(one.partition("/")[0] for one in self.at if parents[0] == "default"))
             way = (*way[:-1], "fixed") if way[-1] == "tendon" else way
