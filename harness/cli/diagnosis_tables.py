@@ -77,6 +77,12 @@ def _robot(found: "RobotResult") -> None:
         show_rows(heads, rows, heads, "logged on modelled torque")
     if found.reduction is not None:
         say(f"- {found.reduction.said}")
+    own = [
+        one
+        for one in found.identifiable
+        if found.joint in ("all", one.joint) and one.verdict != "identifiable" and one.error
+    ]
+    say_all(f"{one.joint}, {one.parameter}: {one.verdict} to be told, {one.why}; {one.mend}" for one in own)
     if found.confounded:
         say(f"- this log cannot tell apart: {'; '.join(' and '.join(pair) for pair in found.confounded)}")
     if found.simulated:

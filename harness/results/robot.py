@@ -126,6 +126,17 @@ class ArmResult(Result):
     seconds: float
 
 
+class IdentifiableResult(Result):
+    """Whether the motion of a log can tell a number of a joint's friction, before anything is fitted."""
+
+    joint: str
+    parameter: str
+    verdict: Literal["identifiable", "weak", "not"]
+    error: float | None = Field(description="that it would have, over the joint's torque; null where it hardly moves")
+    why: str = Field(description="what it goes with, or that the motion is too short; empty where it is identifiable")
+    mend: str = Field(description="the motion that would part them")
+
+
 class SimulatedResult(Result):
     """A joint in one engine against its log, driven by its torque, in windows that begin at the smoothed log."""
 
@@ -152,6 +163,7 @@ class RobotResult(Result):
     paste: PasteResult
     match: list[MatchResult] = Field(default_factory=list, description="the log against its model, before a fit")
     simulated: list[SimulatedResult] = Field(default_factory=list, description="the copy of the model in engines")
+    identifiable: list[IdentifiableResult] = rare("where the whole arm moves: what its motion can tell", list)
     arm: ArmResult | None = rare()
 
 

@@ -125,7 +125,14 @@ def _of_one(
         refined=_fit(_numbers(refined, inertia), squares[1]),
         curve=joint.curve,
         holdout={"spans_s": [], "baseline_rmse": squares[0], "refined_rmse": squares[1]},
-        robot=case.robot(paste, mode="whole-arm", reduction=None, confounded=found.confounded, arm=arms),
+        robot=case.robot(
+            paste,
+            mode="whole-arm",
+            reduction=None,
+            confounded=found.confounded,
+            identifiable=found.identifiable,
+            arm=arms,
+        ),
         files=files,
         **more,
     )
@@ -156,7 +163,14 @@ def _of_all(
         baseline=fit(base=True),
         refined=fit(base=False),
         holdout={"spans_s": [], "baseline_rmse": {}, "refined_rmse": {}},
-        robot=case.robot(*pastes, mode="whole-arm", reduction=None, confounded=found.confounded, arm=arms),
+        robot=case.robot(
+            *pastes,
+            mode="whole-arm",
+            reduction=None,
+            confounded=found.confounded,
+            identifiable=found.identifiable,
+            arm=arms,
+        ),
         files=files,
         **more,
     )

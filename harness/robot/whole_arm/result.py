@@ -7,6 +7,7 @@ from harness.core.arrays import FloatArray
 from harness.core.quantity import Quantity
 from harness.diagnosis.rules import Rule
 from harness.robot.friction_curve import FrictionCurve
+from harness.robot.whole_arm.identifiable import Identifiable
 
 
 class Grade(Enum):
@@ -100,7 +101,7 @@ class WholeArm:
     confounded : pairs that this log, or any, cannot part. left_out : evidence of the best candidate that is not named.
     lowpass : Hz, of the filter everything went through.
     rate : samples a second that torque was fitted at. seconds : of the log. rules : those that decided. notes : what
-    was done to the log.
+    was done to the log. identifiable : what the motion can tell of each joint, by its columns alone.
     """
 
     joints: tuple[JointFriction, ...]
@@ -112,6 +113,7 @@ class WholeArm:
     seconds: float
     rules: tuple[Rule, ...]
     notes: tuple[str, ...]
+    identifiable: tuple[Identifiable, ...] = ()
 
     def joint(self, name: str) -> JointFriction:
         """The joint of this name; KeyError where there is none."""

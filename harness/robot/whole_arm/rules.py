@@ -186,6 +186,20 @@ AT_EDGE = Rule(
 )
 MASS_SPREAD = Rule("mass-spread", 0.1, "1", "masses of the model are expected to be right to this share",
                    "masses of published models differ from weighed ones by so much")  # fmt: skip
+IDENTIFIABLE = Rule(
+    "identifiable",
+    0.02,
+    "share of the torque",
+    "a number of a joint's friction is identifiable where its error, beside what may be wrong with the model, is less",
+    "a judgement: friction is a fifth to a half of the torque of most joints, and is then known to a tenth",
+)
+WEAK = Rule(
+    "weakly-identifiable",
+    0.1,
+    "share of the torque",
+    "it is weak where the error is less, and else not to be told from the log",
+    "five times identifiable: as large as the friction of a good joint",
+)
 BODY_SPREAD = Rule(
     "body-spread",
     0.3,

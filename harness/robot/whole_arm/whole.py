@@ -33,6 +33,7 @@ from harness.robot.whole_arm.columns import (
 )
 from harness.robot.whole_arm.curve import curves
 from harness.robot.whole_arm.design import Design, Named, Whitened
+from harness.robot.whole_arm.identifiable import identifiable
 from harness.robot.whole_arm.perturb import with_load, without_armature
 from harness.robot.whole_arm.result import Entry, Grade, JointFriction, Left, WholeArm
 from harness.robot.whole_arm.rules import (
@@ -162,6 +163,7 @@ class _Told:
             filtered.seconds,
             RULES,
             tuple(notes),
+            identifiable(solved.first, solved.still),
         )
 
     def _surest(self, named: Iterator[Named]) -> list[Named]:

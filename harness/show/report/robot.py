@@ -14,6 +14,7 @@ from harness.results.fleet import FleetResult, FleetRow
 from harness.results.robot import (
     CurveResult,
     EntryResult,
+    IdentifiableResult,
     JointResult,
     MatchResult,
     PasteResult,
@@ -97,6 +98,7 @@ def _told(result: DiagnosisResult) -> list[b.Section]:
     robot = _robot_of(result)
     pairs = [" and ".join(pair) for pair in robot.confounded]
     return [
+        *([_identifiable(robot.identifiable)] if robot.identifiable else []),
         *([b.verdict("", pairs, heading="What this log cannot tell apart")] if pairs else []),
         *([_matches(robot.match)] if robot.match else []),
         _to_paste(robot.paste, result.model_left_out),
@@ -233,6 +235,16 @@ def engine_figures(motions: Sequence[Motion], place: str) -> list[b.Figure]:
 def _version(one: SimulatedResult) -> str:
     whose = "" if one.joint is None else f"{one.joint}, "
     return f"{whose}{one.engine} {one.version}".strip()
+
+
+def _identifiable(found: Sequence[IdentifiableResult]) -> b.Section:
+    columns = [
+        b.Column("verdict", lambda one: one.verdict),
+        b.Column("error", lambda one: _or_none(one.error, 100.0), "%", "that it would have, of the joint's torque"),
+        b.Column("why", lambda one: b.Cell(one.why or "-", (one.mend,) if one.mend else ())),
+    ]
+    table = b.tabulated("joint", columns, found, lambda one: f"{one.joint}, {one.parameter}")
+    return b.Section("What the motion can tell", [table])
 
 
 def _matches(match: Sequence[MatchResult]) -> b.Section:
