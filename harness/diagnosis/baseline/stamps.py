@@ -1,11 +1,14 @@
-"""Time stamps that jitter, as what a base model leaves shows them: most where its motion is fast."""
+"""Time stamps that jitter, as what a model leaves shows them: most where its motion is fast."""
 
+import math
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.diagnosis.problem import P
+from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.problem import P, Problem
 from harness.diagnosis.problems.simulated import FINE
 from harness.estimate.noise import Stamps, channel_noise
 from harness.kernels.solve import Scales
@@ -17,12 +20,12 @@ _BESIDE = 4.0
 """Standard deviations of a stamp within which a sample may lie on the other side of a jump."""
 
 
-def stamped(problem: P, base: Model, scales: Scales) -> P:
-    """A problem whose samples count as their stamps let them; itself where none jitter. base : fitted to it.
+def stamped(problem: P, model: Model, scales: Scales) -> P:
+    """A problem whose samples count as their stamps let them; itself where none jitter. model : fitted to it.
 
     An acceleration jumps where dry friction turns round: a sample beside that is left out. Raises SimulationError.
     """
-    shown = problem.shows(base, (), scales, FINE)
+    shown = problem.shows(model, (), scales, FINE)
     t, beside = problem.t, _to_reversal(problem.t, shown.v)
     turns = beside <= float(np.median(np.diff(t)))
     found = {}
@@ -36,6 +39,16 @@ def stamped(problem: P, base: Model, scales: Scales) -> P:
     level = {c: problem.level[c] * one.level for c, one in found.items()}
     counts = {c: (beside > _BESIDE * worst) | (c != "a") for c in problem.channels}
     return replace(problem, level=level, jitter=worst).weighted(counts)
+
+
+def likelihood(found: Fit, problem: Problem, weight: Mapping[str, FloatArray]) -> float:
+    """BIC of a fit under noise of unknown level, more of it by ``Problem.level``, over samples with a weight (n,)."""
+    total = 0.0
+    for c, left in problem.left(found.shown).items():
+        used, level = weight[c] > 0.0, problem.level[c]
+        even = (left / level)[used]
+        total += even.size * math.log(float(np.mean(even**2))) + 2.0 * float(np.sum(np.log(level[used])))
+    return total + len(found.free) * math.log(problem.points)
 
 
 def _to_reversal(t: FloatArray, v: FloatArray) -> FloatArray:

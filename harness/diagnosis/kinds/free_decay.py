@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from harness.core.errors import InputError, SimulationError
 from harness.diagnosis.baseline.base_fit import baseline
-from harness.diagnosis.baseline.stamps import stamped
+from harness.diagnosis.baseline.stamps import likelihood, stamped
 from harness.diagnosis.covariates.following import allowing, enter
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.rmse import only_started
@@ -47,6 +47,10 @@ class FreeDecays(Kind[FreeDecay]):
         scales = based.scales
         notes: tuple[str, ...] = ()
         found = search(based.problem, based.fit, scales)
+        late = self._under_stamps(found, based)
+        if late is not None:
+            found, based = late
+            scales = based.scales
         otherwise = _entering_otherwise(found, based)
         if otherwise is not None:
             based = otherwise
@@ -72,6 +76,20 @@ class FreeDecays(Kind[FreeDecay]):
         if trace is None:
             return Found(every, scales, found, None, notes)
         return Found(trace[0], scales, trace[0], trace[1], notes)
+
+    def _under_stamps(self, found: Search, based: Based[FreeDecay]) -> tuple[Search, Based[FreeDecay]] | None:
+        """The search with samples that count as their stamps let them, where that is likelier; None where it is not.
+
+        What is missing may leave more where the motion is fast, and stamps that jitter look like what is missing.
+        """
+        tried = (stamped(based.whole, one.model, based.scales) for one in (found.base, found.chosen))
+        whole = next((one for one in tried if one is not based.whole), None)
+        if whole is None:
+            return None
+        again = self.fit_base(whole)
+        late = search(again.problem, again.fit, again.scales)
+        one, other = (likelihood(f.chosen, f.problem, late.problem.weight) for f in (found, late))
+        return None if one <= other else (late, again)
 
     def _from_a_zero(self, found: Search, based: Based[FreeDecay]) -> Based[FreeDecay] | None:
         """The base fit from an unknown zero, where nobody said and a push was found: on a spring they are one.
@@ -135,10 +153,6 @@ def _alone(based: Based[FreeDecay]) -> tuple[str, ...]:
 def based(problem: P) -> Based[P]:
     """A free decay, or several, with the base model and the noise that it leaves; in means where very long."""
     short, base, scales = shortened(problem)
-    late = stamped(problem, base.model, scales)
-    if late is not problem:
-        problem = late
-        short, base, scales = shortened(problem)
     short = replace(short, noise=noise_of(base, short, scales.omega))
     return Based(problem, short, settle(under(base, short), short, scales), scales)
 
