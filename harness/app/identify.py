@@ -14,6 +14,7 @@ from harness.app.diagnose.problem import Prepared, errors_of, prepared
 from harness.app.shared.estimates import NOTE, WHOLE, estimate, estimates_of
 from harness.app.shared.leaving import FILES, leave, leaving
 from harness.app.shared.machine import this_machine
+from harness.app.shared.over_amplitude import damping_of, write_damping
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.shared.reading import read, recording_info, thinned
 from harness.core.errors import SimulationError
@@ -166,6 +167,9 @@ def deliver(
         progress("estimating", 1, 3)
         files = {name: output.at(file) for name, file in FILES.items()}
         result, motion = result_of(recording, command, files, restoring)
+        if result.damping is not None:
+            write_damping(output / "damping.csv", result.damping)
+            result = result.model_copy(update={"files": {**files, "damping": output.at("damping.csv")}})
         progress("writing trace and report", 2, 3)
         leave(output, result, identify_page(result, recording, motion), recording_scene(recording, result))
     return result
@@ -189,10 +193,12 @@ def result_of(
     with np.errstate(over="ignore", invalid="ignore"), errors_of(seen):
         ready = prepared(seen, DiagnoseOptions.chosen(ReadOptions(), restoring, engines=()))
     fit, motion, warnings = _based(seen, ready, estimation, command)
+    models = {} if motion is None else {"viscous and Coulomb": motion}
     noted = [*chosen, *([moves.wanted] if moves.wanted else []), *([NOTE] if restoring == "pendulum" else [])]
     result = IdentifyResult(
         recording=recording_info(recording, estimation.noise),
         motion=MotionResult.taken_from(moves, spans_s=moves.spans),
+        damping=damping_of(ready.problem, models),
         estimates=estimates_of(estimation),
         sensor_phase_rad=P.of(estimation.sensor_phase),
         restoring=restoring,

@@ -62,7 +62,7 @@ def sensor_lead(acceleration: ChannelFit, displacement: ChannelFit) -> tuple[Qua
 
 METHODS = ("acceleration", "acceleration-local", "acceleration-paper", "displacement", *ASSUMED)
 
-_KINDS = {"x": Kind.DISPLACEMENT, "v": Kind.VELOCITY, "a": Kind.ACCELERATION}
+KINDS = {"x": Kind.DISPLACEMENT, "v": Kind.VELOCITY, "a": Kind.ACCELERATION}
 _FEWEST = 16
 _CLEARLY = 5.0
 """Standard errors from which x has a zero of its own."""
@@ -76,7 +76,7 @@ def _checked(t: object, channels: dict[str, object]) -> tuple[FloatArray, dict[s
     if time.size < _FEWEST:
         raise InputError("t", f"{time.size} samples", f"at least {_FEWEST} are accepted")
     found = {name: vector(name, values, time.size) for name, values in channels.items() if values is not None}
-    if not any(name in _KINDS for name in found):
+    if not any(name in KINDS for name in found):
         raise InputError("channels", "none of x, v, a", "at least one of them is accepted")
     return time, found
 
@@ -89,7 +89,7 @@ def _frequency(fit: ChannelFit) -> tuple[float, float]:
     return half_cycle_frequency(fit, np.concatenate([[math.nan], reversal_times(fit), [math.nan]]))
 
 
-def _sizes(fit: ChannelFit) -> tuple[FloatArray, FloatArray, FloatArray]:
+def sizes(fit: ChannelFit) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Times, turning points and variances for the isolated cases; from the acceleration after each jump when x is
     absent.
     """
@@ -146,8 +146,8 @@ def _displacement_methods(fits: dict[str, ChannelFit], whys: dict[str, str], uni
     why = whys.get("x", "the displacement is needed and was not given")
     out = {"displacement": displacement(fits["x"], unit) if "x" in fits else Estimate.refused(why, unit)}
     source = next(fits[name] for name in ("x", "a", "v") if name in fits)
-    sizes, omega_d = _sizes(source), _frequency(source)
-    return out | {method: isolated(method, *sizes, omega_d, unit) for method in ASSUMED}
+    turning, omega_d = sizes(source), _frequency(source)
+    return out | {method: isolated(method, *turning, omega_d, unit) for method in ASSUMED}
 
 
 def _warnings(t: FloatArray, fits: dict[str, ChannelFit]) -> list[str]:
@@ -195,7 +195,7 @@ def estimate_all(
         return Estimation(_all_refused(why, unit), Quantity.refused("rad", why), warnings=(why,))
     fits: dict[str, ChannelFit] = {}
     whys: dict[str, str] = {}
-    for name, kind in _KINDS.items():
+    for name, kind in KINDS.items():
         if name in found:
             try:
                 fits[name] = fit_channel(time, found[name], kind, drop_first)

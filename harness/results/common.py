@@ -141,6 +141,18 @@ class MotionResult(Result):
     wanted: str = Field(default="", description="what recording would tell friction, where this one does not")
 
 
+class DampingResult(Result):
+    """Damping and frequency of a free decay over its amplitude, from turning points, without a law of friction."""
+
+    amplitude: Floats
+    unit: Literal["m", "rad"] = Field(description="of amplitudes")
+    zeta: Floats = Field(description="equivalent viscous damping ratio; the loss factor is twice as much")
+    zeta_stderr: Floats
+    frequency_hz: Floats
+    frequency_stderr: Floats = Field(description="Hz")
+    laws: dict[str, dict[str, Floats]] = Field(description="by model: amplitude, zeta, frequency_hz")
+
+
 class RecordingInfo(Result):
     """What was read."""
 

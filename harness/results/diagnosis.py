@@ -5,6 +5,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field, RootModel
 
 from harness.results.common import (
+    DampingResult,
     Floats,
     Machine,
     ModelDocument,
@@ -306,6 +307,7 @@ class DiagnosisResult(Paged):
     recordings: list[RecordingInfo] = rare("with --together: each", list)
     own: list[OwnResult] = rare("with --together: what each has of its own", list)
     motion: MotionResult | None = rare("its kind, before any fit; with --together that of the first")
+    damping: DampingResult | None = rare("of a free decay, over its amplitude")
     read: ReadResult | None = rare("of a file that is no .rrd")
     together: dict[str, RepeatedResult] = rare(
         "with --together: the refined model's parameters, fitted to each recording by itself", dict

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from harness.results.common import Machine, MotionResult, P, Paged, RecordingInfo, Result, rare
+from harness.results.common import DampingResult, Machine, MotionResult, P, Paged, RecordingInfo, Result, rare
 from harness.results.diagnosis import FitResult
 from harness.results.run import Estimates
 
@@ -26,6 +26,7 @@ class IdentifyResult(Paged):
     schema_: Literal["harness.identify/1"] = Field(default="harness.identify/1", alias="schema")
     recording: RecordingInfo
     motion: MotionResult | None = rare("its kind, before any fit")
+    damping: DampingResult | None = rare("of a free decay, over its amplitude")
     estimates: dict[str, Estimates]
     slowing: dict[str, SlowingResult] = rare(
         "of a run-down or a friction curve, instead of estimates: linear (dry friction alone), exponential (damping"

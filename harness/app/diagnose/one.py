@@ -15,6 +15,7 @@ from harness.app.diagnose.result import STEPS, Diagnosed, result_of
 from harness.app.diagnose.together import investigate_together
 from harness.app.shared.leaving import FILES as ALWAYS
 from harness.app.shared.leaving import leave, leaving
+from harness.app.shared.over_amplitude import damping_of, write_damping
 from harness.app.shared.progress import NAME as LOG
 from harness.app.shared.progress import SILENT, Progress, journal
 from harness.app.shared.reading import thinned
@@ -27,6 +28,7 @@ from harness.engines import model_files
 from harness.io.store import OutputFolder
 from harness.results.diagnosis import DiagnosisResult
 from harness.show.report.diagnosis import diagnosis_page
+from harness.show.report.diagnosis_figures import model_names
 from harness.show.report.diagnosis_scene import diagnosis_scene
 
 FILES = {
@@ -41,6 +43,8 @@ FILES = {
     "refined_trace": "refined_trace.csv",
     "log": LOG,
 }
+DAMPING = "damping.csv"
+"""Of a free decay, besides."""
 
 
 Finish = Callable[[Diagnosed, Path], tuple[Diagnosed, Mapping[str, str]]]
@@ -73,7 +77,10 @@ def investigate(
     result = result_of(recording, ready, outcome, options, user, other, command)
     recording = outcome.problem.shown_beside(recording)
     own = user.motion(outcome, outcome.problem.at_every_sample(recording.t, recording.channels))
-    motions = (*simulated(recording, outcome), *(() if own is None else (own,)))
+    models = simulated(recording, outcome)
+    named = dict(zip(model_names(result), models, strict=False))
+    result = result.model_copy(update={"damping": damping_of(outcome.problem, named)})
+    motions = (*models, *(() if own is None else (own,)))
     return Diagnosed(recording, outcome, motions, result)
 
 
@@ -110,6 +117,9 @@ def _write(output: OutputFolder, found: Diagnosed, progress: Progress, finish: F
     left_out = write_model(output.work / "model", model, problem.angular)
     found, more_files = finish(found, output.work)
     name = model_files.file_name(model, problem.angular)
+    if found.result.damping is not None:
+        write_damping(output / DAMPING, found.result.damping)
+        more_files = {**more_files, "damping": DAMPING}
     named = {**FILES, "mjcf": f"model/{name}.xml", "urdf": f"model/{name}.urdf", **more_files}
     named |= {"friction": f"model/{model_files.FRICTION}"}
     write_trace_csv(output / FILES["refined_trace"], found.simulated[1], found.recording, outcome)

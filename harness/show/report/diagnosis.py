@@ -20,6 +20,7 @@ from harness.results.diagnosis import (
 from harness.results.fleet import FleetResult
 from harness.show import blocks as b
 from harness.show.numbers import NONE, number, quantity
+from harness.show.report.damping import damping_section
 from harness.show.report.diagnosis_figures import Curves, evidence, left, model_names, nameless, shares
 from harness.show.report.identify import samples_of
 from harness.show.report.page import made_with
@@ -66,6 +67,7 @@ def diagnosis_page(
         *([] if robot is None else joint_beside(result, robot)),
         seen.before(),
         *([_own(result)] if result.own else []),
+        *([damping_section(result.damping)] if result.damping is not None else []),
         *([_mechanisms(result)] if result.mechanisms else []),
         *([left(result)] if result.remainder is not None else []),
         *([nameless(result)] if result.tables or result.surface else []),

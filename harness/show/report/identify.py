@@ -42,6 +42,7 @@ from harness.show.plots import (
     upright_lines,
     zoom,
 )
+from harness.show.report.damping import damping_section
 from harness.show.report.page import made_with
 from harness.show.report.run import METHODS, QUANTITIES, estimated, letter, p_of
 
@@ -62,7 +63,8 @@ def identify_page(result: IdentifyResult, recording: Recording, fitted: Trajecto
         figures = [_by_reversal(result.estimates, name) for name in ("x_k", "zeta")]
         reversals = Section("Reversal by reversal", [figure for figure in figures if figure is not None])
         methods = _methods(result.estimates, result.sensor_phase_rad)
-        read = [methods, _channels(recording, result, fitted), reversals]
+        damping = [] if result.damping is None else [damping_section(result.damping)]
+        read = [methods, *damping, _channels(recording, result, fitted), reversals]
     sections = [
         verdict(identify_headline(result), [*result.warnings, *result.recording.notes]),
         *read,
