@@ -44,8 +44,11 @@ def _of_model(motion: Trajectory) -> OverAmplitude | None:
         at = np.flatnonzero(motion.v[1:] * motion.v[:-1] < 0.0)
         share = motion.v[at] / (motion.v[at] - motion.v[at + 1])
         times = motion.t[at] + share * (motion.t[at + 1] - motion.t[at])
-    begins = motion.t[:1] if abs(motion.v[0]) < _AT_REST * float(np.max(np.abs(motion.v))) else motion.t[:0]
-    times = np.concatenate((begins, times[(times > motion.t[0]) & (times <= motion.t[-1])]))
+    # held until it is let go, which is its first turning point
+    moving = np.flatnonzero(np.abs(motion.v) >= _AT_REST * float(np.max(np.abs(motion.v))))
+    begins = motion.t[moving[:1] - 1] if moving.size and moving[0] > 0 else motion.t[:0]
+    first = begins[0] if begins.size else motion.t[0]
+    times = np.concatenate((begins, times[(times > first) & (times <= motion.t[-1])]))
     x = CubicHermiteSpline(motion.t, motion.x, motion.v)(times)
     return OverAmplitude.of(times, x, np.zeros(times.size))
 

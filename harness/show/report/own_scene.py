@@ -40,10 +40,17 @@ def own_scene_scene(result: SceneResult, motions: Sequence[Trajectory]) -> s.Sce
     return s.of_result(f"{result.body} in a scene", layout, result, notes, {HELD: motions})
 
 
+_TURNS = 1e-6
+"""rad, below which nothing turns that could be drawn."""
+
+
 def own_scene_figures(motions: Sequence[Trajectory]) -> list[b.Figure]:
     """Slide, lift and spin over time."""
     figures = []
-    for name, unit, factor in (("slide", "mm", 1e3), ("lift", "mm", 1e3), ("spin", "rad", 1.0)):
+    shown = [("slide", "mm", 1e3), ("lift", "mm", 1e3), ("spin", "rad", 1.0)]
+    if all(max(one.extra[SPUN]) - min(one.extra[SPUN]) < _TURNS for one in motions):
+        shown.pop()
+    for name, unit, factor in shown:
         traces = []
         for one in motions:
             label, color = _LOOKS[one.source.name]
