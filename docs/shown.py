@@ -15,7 +15,15 @@ import tempfile
 from pathlib import Path
 
 DOCS = Path(__file__).resolve().parent
-PAGES = ("start.md", "own-recording.md", "own-simulation.md", "robot-example.md", "words.md", "own-scene.md")
+PAGES = (
+    "start.md",
+    "own-recording.md",
+    "own-simulation.md",
+    "robot-example.md",
+    "words.md",
+    "own-scene.md",
+    "robot-servo.md",
+)
 GIVEN = (DOCS / "example" / "rig.csv", DOCS.parent / "models" / "arm" / "arm.xml")
 _BLOCK = re.compile(r"(?<=^```console\n)\$ .*?(?=^```$)", re.MULTILINE | re.DOTALL)
 _FILE = re.compile(r"^`(\S+\.\w+)`:\n\n```\w+\n(.*?)^```$", re.MULTILINE | re.DOTALL)

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from harness.results.common import MotionResult, RepeatedResult
     from harness.results.diagnosis import AttributionResult, DiagnosisResult, PredictionResult
     from harness.results.fleet import FleetResult
-    from harness.results.robot import ArmResult, RobotResult, SimulatedResult
+    from harness.results.robot import ArmResult, RobotResult, ServoResult, SimulatedResult
 
 
 def say_diagnosis(result: "DiagnosisResult") -> None:
@@ -20,6 +20,12 @@ def say_diagnosis(result: "DiagnosisResult") -> None:
     say_motion(result.motion)
     say_all(result.recording.notes)
     say(result.statement)
+    if result.robot is not None and result.robot.servo is not None:
+        _servo(result.robot.servo)
+        _robot(result.robot)
+        say_all(result.warnings)
+        say_as_it_is(f"report: {result.files['report']}")
+        return
     if result.robot is not None and result.robot.arm is not None and "f_k" not in result.baseline.parameters:
         _every_joint(result.robot.arm)
     else:
@@ -66,6 +72,42 @@ def say_motion(found: "MotionResult | None") -> None:
         say(f"motion: {found.kind}, {found.reason}{'; ' if found.wanted else ''}{found.wanted}")
 
 
+_TOLD = {"identifiable": "told", "weak": "told weakly", "not": "not told"}
+
+
+def _servo(found: "ServoResult") -> None:
+    """What a servo's log says: free runs, terms, numbers, and what it cannot part."""
+    say_all(found.understood)
+    runs = [*found.fitted, *(one.model_copy(update={"of": f"held out: {one.of}"}) for one in found.held_out)]
+    rows = [
+        (one.of, f"{one.before:.3g}", f"{one.after:.3g}", f"{one.after / one.before:.2f}" if one.before else "-")
+        for one in runs
+    ]
+    heads = ("free run", "Coulomb alone", "with what is named", "factor")
+    show_rows(heads, rows, ("free run",), "mean absolute error of position, mrad")
+    for term in found.terms:
+        held = " to ".join(f"{x:.3g}" for x in term.held_out_mrad)
+        out = f"; held out {held} mrad" if held else ""
+        ties = ", ".join(f"{name} (by {worse:.1f})" for name, worse in term.rivals.items())
+        tied = f"; not ruled out in its place: {ties}" if ties else ""
+        say(f"- {term.name}: {term.said} (evidence {term.evidence:.0f}{out}{tied})")
+    told = {one.parameter: one for one in found.identifiable}
+    sides = [found.base, found.parameters] if found.terms else [found.parameters]
+    above = ("number", *(["Coulomb alone"] if found.terms else []), "value", "told")
+    numbers: list[list[str]] = [
+        [name, *(with_error(side.get(name)) for side in sides), told[name].verdict if name in told else "given"]
+        for name in found.parameters
+    ]
+    show_rows(above, numbers, ("number", "told"))
+    say_all(f"{one.parameter} is {_TOLD[one.verdict]}: {one.why}." for one in found.identifiable if one.why)
+    say_all(f"{line}." for line in found.confounded)
+    if found.bam:
+        text = ", ".join(f'"{k}": {v:.6g}' if isinstance(v, float) else f'"{k}": "{v}"' for k, v in found.bam.items())
+        say("as BAM's parameters:")
+        say_as_it_is(f"  {{{text}}}")
+        say_all(f"{line}." for line in found.not_in_bam)
+
+
 def _robot(found: "RobotResult") -> None:
     """The log against its model, the joint's own equation, and what to paste."""
     if found.match:
@@ -110,6 +152,15 @@ def _every_joint(arm: "ArmResult") -> None:
 
 def _simulated(simulated: list["SimulatedResult"]) -> None:
     """The model in engines against the log, as it is and with what is pasted."""
+    servo = all(one.windows == 1 and "v" not in one.after for one in simulated if one.error is None)
+    if servo:
+        say("the joint in engines against the first log, rms of position, mrad:")
+        say_all(f"{one.engine}: {one.error}" for one in simulated if one.error is not None)
+        named = [one for one in simulated if one.error is None]
+        sides = [[figure(side.get("x"), ".3g", "", 1e3) for side in (one.before, one.after)] for one in named]
+        rows = [(one.engine, *side) for one, side in zip(named, sides, strict=True)]
+        show_rows(("engine", "as your file has it", "as pasted"), rows)
+        return
     windows = next((f", windows of {one.window_s:g} s" for one in simulated if one.window_s), "")
     say(f"your model driven by the torque of the log, rms of simulation minus log{windows}:")
     say_all(f"{_who(one)}: {one.error}" for one in simulated if one.error is not None)

@@ -23,13 +23,14 @@ class Chosen:
     """What is read of a table.
 
     mappings : by channel. guessed : channels that no option and no name of the channel's own gives. notes : what else
-    there was to choose. runs : that stand side by side.
+    there was to choose. runs : that stand side by side. commanded : a goal stands beside, and no force.
     """
 
     mappings: dict[str, Mapping]
     guessed: frozenset[str] = frozenset()
     notes: tuple[str, ...] = ()
     runs: int = 1
+    commanded: bool = False
 
 
 def chosen(table: Table, options: ReadOptions) -> Chosen:
@@ -57,7 +58,8 @@ def chosen(table: Table, options: ReadOptions) -> Chosen:
     if "t" in mappings and rate is not None:
         accepted = "one of the two is accepted (--columns without t leaves the column out)"
         raise InputError("--rate", f"given although a column of {table.path} gives the time", accepted)
-    return replace(found, notes=(*found.notes, *_commanded(table, mappings)))
+    commanded = _commanded(table, mappings)
+    return replace(found, notes=(*found.notes, *commanded), commanded=bool(commanded))
 
 
 def _commanded(table: Table, mappings: dict[str, Mapping]) -> list[str]:
@@ -67,7 +69,7 @@ def _commanded(table: Table, mappings: dict[str, Mapping]) -> list[str]:
         return []
     moved = [i for i, y in zip(goals, table.columns(goals), strict=True) if y.size and np.nanmin(y) < np.nanmax(y)]
     name = table.headers[moved[0]][:_LONG] if moved else ""
-    said = f"{name} was commanded: what follows it is no free decay; its torque or current, as u, would tell friction."
+    said = f"{name} was commanded: with the position it is a servo's, by harness diagnose; a torque, as u, tells more."
     return [said] if moved else []
 
 

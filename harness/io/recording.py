@@ -222,7 +222,7 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
             **{channel: unit.text for channel, (_, unit) in read.items() if unit.text},
         },
         angular=angular,
-        extra=about,
+        extra=about | ({"commanded": True} if choice.commanded else {}),
         notes=(*filter(None, notes), *filter(None, mended), *(() if steady else sampling_notes(t[keep]))),
         covariates=covariates,
         columns={c: quoted_of(table, mappings[c], unit) for c, (_, unit) in read.items()},

@@ -152,12 +152,62 @@ class SimulatedResult(Result):
     error: str | None = None
 
 
+class ServoTermResult(Result):
+    """A piece of a servo's physics that its log asks for."""
+
+    name: str
+    said: str
+    evidence: float = Field(description="by which BIC is better with it")
+    parameters: dict[str, P]
+    held_out_mrad: list[float] = Field(description="mean absolute error of what was not fitted, before and after")
+    rivals: dict[str, float] = Field(description="terms that are not ruled out in its place, by how much worse")
+
+
+class ServoErrorResult(Result):
+    """What free runs of a log, or of a part that was not fitted, miss its positions by; mean absolute, mrad."""
+
+    of: str
+    before: float = Field(description="with torque, damping, delay, inertia and dry friction alone")
+    after: float = Field(description="with everything named")
+
+
+class ServoNumberResult(Result):
+    """Whether a log tells a number."""
+
+    parameter: str
+    verdict: Literal["identifiable", "weak", "not"]
+    why: str
+
+
+class ServoResult(Result):
+    """A joint under its servo, from goals and positions."""
+
+    servo: str | None = Field(description="preset; null where nobody named one")
+    source: str = Field(description="of the preset")
+    scale: Literal["gravity", "data sheet", "inertia"] = Field(
+        description="what gives torques: gravity's, the data sheet's, or nothing: then all is a ratio to the inertia"
+    )
+    understood: list[str] = Field(description="what was read and taken, one sentence each")
+    base: dict[str, P] = Field(description="with torque, damping, delay, inertia and dry friction alone")
+    parameters: dict[str, P]
+    stiffness: P = Field(description="torque over error of position, at the nominal voltage and the first gain")
+    stall: P = Field(description="torque at rest with all of the duty")
+    terms: list[ServoTermResult]
+    fitted: list[ServoErrorResult] = Field(description="each log")
+    held_out: list[ServoErrorResult] = Field(description="each part that was left out, by a fit of the rest")
+    floor_mrad: float = Field(description="rms of the positions' noise and steps")
+    confounded: list[str] = Field(description="what goal and position cannot part, one sentence each")
+    identifiable: list[ServoNumberResult]
+    bam: dict[str, float | str] = Field(description="as a file of BAM's parameters has it; empty without a scale")
+    not_in_bam: list[str]
+
+
 class RobotResult(Result):
     """A joint of a robot."""
 
-    file: str = Field(description="of the model, absolute")
+    file: str = Field(description="of the model, absolute; empty where a servo's log has none")
     joint: str = Field(description='"all" for every joint, whose parameters then have its name before theirs')
-    mode: Literal["locked", "whole-arm"]
+    mode: Literal["locked", "whole-arm", "servo"]
     reduction: ReductionResult | None = Field(description="null where the whole arm moves")
     confounded: list[Pair] = Field(description="what this log cannot tell apart, whatever the fit says")
     paste: PasteResult
@@ -165,6 +215,7 @@ class RobotResult(Result):
     simulated: list[SimulatedResult] = Field(default_factory=list, description="the copy of the model in engines")
     identifiable: list[IdentifiableResult] = rare("where the whole arm moves: what its motion can tell", list)
     arm: ArmResult | None = rare()
+    servo: ServoResult | None = rare("where goal and position are the log")
 
 
 class Topic(Result):
@@ -176,7 +227,7 @@ class Topic(Result):
     rate_hz: float | None = Field(description="by the median interval; null where no times are read")
     joints: list[str]
     fields: list[str] = Field(
-        description="position, velocity, effort; current (A); magnitude, an effort without its sign"
+        description="position, velocity, effort; current (A); magnitude, an effort without its sign; of servos"
     )
     units_guessed: dict[str, str] = Field(description="the unit each field is read in")
     gaps_s: list[Span] = Field(description="[from, to], where more than five intervals are missing")

@@ -72,7 +72,7 @@ def here(call: list[str], cwd: Path, env: dict[str, str], **given: Any) -> "subp
         "start.md",
         *(
             pytest.param(f"{n}.md", marks=pytest.mark.full)
-            for n in ("own-recording", "own-simulation", "own-scene", "robot-example", "words")
+            for n in ("own-recording", "own-simulation", "own-scene", "robot-example", "words", "robot-servo")
         ),
     ],
 )

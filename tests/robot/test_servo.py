@@ -1,21 +1,30 @@
 """A joint under its servo, from goals and positions: what comes out of logs of a plant of another make."""
 
-from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
-from harness.robot.servo.fit import Logs
-from harness.robot.servo.plant import Run
-from harness.robot.servo.presets import preset
-from harness.robot.servo.servo import identified
+from harness.cli.main import run as command
+from harness.core.arrays import FloatArray
+from harness.results.diagnosis import DiagnosisResult
 
 STEP = 2.0 * np.pi / 4096
 STALL, BRAKE, VOLTS, GAIN = 0.45, 0.5, 7.4, 0.166 * 16.0
 INERTIA, ARMATURE, GRAVITY, F_K = 0.02, 0.03, 0.6, 0.08
+ARM = """<mujoco><worldbody><body><joint name="elbow" axis="0 1 0" frictionloss="0.05" damping="0.6" armature="0.028"/>
+<inertial pos="0 0 {reach}" mass="0.6" diaginertia="{about} {about} {about}"/></body></worldbody>
+<actuator><position joint="elbow" kp="17.8" forcerange="-3.35 3.35"/></actuator></mujoco>"""
 
 
-def logged(seed: int, seconds: float = 24.0, rate: float = 50.0) -> Run:
+class Log(NamedTuple):
+    t: FloatArray
+    q: FloatArray
+    goal: FloatArray
+
+
+def logged(seed: int, seconds: float = 24.0, rate: float = 50.0) -> Log:
     """Goal and position of a joint whose servo works in steps of 0.5 ms, by explicit Euler; friction stops it."""
     rng = np.random.default_rng(seed)
     t = np.arange(0.0, seconds, 1.0 / rate)
@@ -37,28 +46,60 @@ def logged(seed: int, seconds: float = 24.0, rate: float = 50.0) -> Run:
         v = 0.0 if new * side < 0.0 else new
         q += h * v
     seen = np.round((np.array(found) + 0.5 * STEP * rng.standard_normal(t.size)) / STEP) * STEP
-    load = np.tile((INERTIA, GRAVITY, 0.0), (t.size, 1))
-    return Run(t, seen, goal, np.full(t.size, VOLTS), np.ones(t.size), load, 16.0)
+    return Log(t, seen, goal)
 
 
-def test_a_servo_s_numbers_come_from_goal_and_position_and_another_motion_is_foretold() -> None:
-    found = identified([logged(1)], preset("sts3215"), loaded=True)
-    values, errors = found.best.values, found.best.errors
-    assert values["f_k"] == pytest.approx(F_K, rel=0.06)
-    assert values["stall"] == pytest.approx(STALL, rel=0.05)
-    assert values["armature"] == pytest.approx(ARMATURE, rel=0.15)
-    assert values["c"] == pytest.approx(BRAKE + 0.04, rel=0.05)
-    assert 0.0 < errors["f_k"] < 0.06 * F_K
-    other = logged(2)
-    foretold = found.best.under(Logs.of([other], found.best.logs.known))
-    assert foretold.rms < 1.3 * STEP * np.sqrt(0.25 + 1.0 / 12.0)
+def run(folder: Path, *words: str) -> DiagnosisResult:
+    """What the command leaves of a log of ``logged``."""
+    one = logged(1)
+    table = np.column_stack((one.t, one.goal, one.q))
+    np.savetxt(folder / "log.csv", table, "%.9g", ",", header="t,elbow.goal,elbow.position", comments="")
+    assert command(["diagnose", str(folder / "log.csv"), "--out", str(folder / "out"), "--quiet", *words]) == 0
+    assert (folder / "out" / "report.html").is_file()
+    return DiagnosisResult.model_validate_json((folder / "out" / "result.json").read_text(encoding="utf-8"))
 
 
-def test_without_a_load_that_gives_a_scale_all_is_a_ratio_to_the_inertia() -> None:
-    run = logged(1)
-    bare = replace(run, load=np.zeros_like(run.load))
-    found = identified([bare], None, loaded=False)
-    assert found.known.scale == "inertia"
-    whole, values = INERTIA + ARMATURE, found.best.values
-    assert values["f_k"] == pytest.approx(F_K / whole, rel=0.1)
-    assert np.hypot(values["sine"], values["cosine"]) == pytest.approx(GRAVITY / whole, rel=0.1)
+def test_a_servo_s_numbers_come_from_goal_and_position_and_engines_move_so(tmp_path: Path) -> None:
+    reach = GRAVITY / (9.81 * 0.6)
+    about = INERTIA - 0.6 * reach**2
+    (tmp_path / "arm.xml").write_text(ARM.format(reach=-reach, about=about), encoding="utf-8")
+    robot = run(tmp_path, "--robot", str(tmp_path / "arm.xml"), "--servo", "sts3215:16").robot
+    assert robot is not None
+    assert robot.servo is not None
+    numbers = robot.servo.parameters
+    for name, true, near in (("f_k", F_K, 0.06), ("stall", STALL, 0.05), ("armature", ARMATURE, 0.15)):
+        assert numbers[name].value == pytest.approx(true, rel=near)
+    assert sum(numbers[name].value or 0.0 for name in ("c", "brake")) == pytest.approx(BRAKE + 0.04, rel=0.05)
+    assert robot.servo.scale == "gravity"
+    assert robot.servo.fitted[0].after < 1.3e3 * STEP * np.sqrt(0.25 + 1.0 / 12.0)
+    assert robot.servo.floor_mrad == pytest.approx(1e3 * STEP * np.sqrt(0.25 + 1.0 / 12.0), rel=0.3)
+    assert {one.engine for one in robot.simulated} == {"mujoco", "pybullet"}
+    assert all(one.after["x"] < 0.2 * one.before["x"] for one in robot.simulated)
+    assert "<position" in robot.paste.mjcf
+    assert robot.servo.bam["friction_base"] == numbers["f_k"].value
+
+
+def test_goal_and_position_alone_are_understood_and_all_is_a_ratio_to_the_inertia(tmp_path: Path) -> None:
+    robot = run(tmp_path).robot
+    assert robot is not None
+    assert robot.servo is not None
+    assert robot.servo.scale == "inertia"
+    assert robot.paste.mjcf == ""
+    whole, numbers = INERTIA + ARMATURE, {name: p.value for name, p in robot.servo.parameters.items()}
+    assert numbers["f_k"] == pytest.approx(F_K / whole, rel=0.1)
+    assert np.hypot(numbers["sine"] or 0.0, numbers["cosine"] or 0.0) == pytest.approx(GRAVITY / whole, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [(["--servo", "sts9999"], "sts3215"), (["--servo", "sts3215:x"], "number"), (["--servo", "xl330:1,2"], "gains")],
+)
+def test_a_servo_that_is_none_is_refused_with_those_there_are(
+    words: list[str], said: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "log.csv").write_text(
+        "t,goal,position\n"
+        + "".join(f"{0.02 * i:.2f},{0.1 * (i // 20 % 2)},{0.09 * (i // 20 % 2)}\n" for i in range(99))
+    )
+    assert command(["diagnose", str(tmp_path / "log.csv"), *words]) == 2
+    assert said in capfd.readouterr().err

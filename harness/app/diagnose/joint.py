@@ -12,6 +12,7 @@ from harness.app.diagnose.joint_words import breaking, doubted, losses, named, w
 from harness.app.diagnose.one import deliver
 from harness.app.diagnose.options import DiagnoseOptions, RobotOptions, Zero
 from harness.app.diagnose.result import STEPS, Diagnosed
+from harness.app.diagnose.servo import diagnose_servo
 from harness.app.diagnose.whole_arm import diagnose_arm
 from harness.app.shared.progress import SILENT, Progress
 from harness.core.arrays import FloatArray
@@ -52,6 +53,8 @@ def diagnose_joint(
     gains = _gains(asked, arm.joints)
     log = _read(path, arm.joints, asked, gains, options.reading)
     log = log if label is None else replace(log, file=label)
+    if log.goal and not log.effort:
+        return diagnose_servo([(path, log.file)], options, out, progress, command)
     joint, every = _joint(arm, log, asked)
     found = coupling(arm, log, joint)
     if found.moving and joint not in log.effort:

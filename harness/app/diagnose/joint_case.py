@@ -79,27 +79,7 @@ class JointCase:
     def result(self, model: Model, **more: Any) -> DiagnosisResult:
         """A result without a motion; model : of both fits. more : what it says besides."""
         log, joint = self.log, self.joint if self.joint in self.log.position else next(iter(self.log.effort))
-        span = float(log.t[-1] - log.t[0])
-        channels = [c for c, held in (("x", log.position), ("v", log.velocity), ("u", log.effort)) if joint in held]
-        info = RecordingInfo.taken_from(
-            log,
-            samples=log.t.size,
-            channels=channels,
-            rate_hz=(log.t.size - 1) / span,
-            duration_s=span,
-            noise=dict.fromkeys(channels),
-        )
-        document = to_document(model)
-        nothing: dict[str, Any] = {
-            "where": [],
-            "engines": {},
-            "attribution": None,
-            "evidence": [],
-            "consistent_channels": {},
-        }
-        about = {"recording": info, "baseline_model": document, "refined_model": document, "settings": self.settings}
-        about |= {"command": self.command, "machine": this_machine(), "next_experiment": "", "residual_map": None}
-        return DiagnosisResult.model_validate(nothing | about | more)
+        return without_motion(log, joint, model, settings=self.settings, command=self.command, **more)
 
     def copied(self, pastes: Sequence[JointPaste], folder: Path, kept_as: Callable[[str], str] = str) -> dict[str, str]:
         """Write the robot's model with what is to be pasted into ``folder``/model; the files' names in it, by kind."""
@@ -145,6 +125,31 @@ class JointCase:
 
 def _lines(texts: Iterable[str]) -> str:
     return "\n".join(texts)
+
+
+def without_motion(log: JointLog, joint: str, model: Model, **more: Any) -> DiagnosisResult:
+    """A result without a motion that is drawn; model : of both fits. more : what it says besides."""
+    span = float(log.t[-1] - log.t[0])
+    channels = [c for c, held in (("x", log.position), ("v", log.velocity), ("u", log.effort)) if joint in held]
+    info = RecordingInfo.taken_from(
+        log,
+        samples=log.t.size,
+        channels=channels,
+        rate_hz=(log.t.size - 1) / span,
+        duration_s=span,
+        noise=dict.fromkeys(channels),
+    )
+    document = to_document(model)
+    nothing: dict[str, Any] = {
+        "where": [],
+        "engines": {},
+        "attribution": None,
+        "evidence": [],
+        "consistent_channels": {},
+    }
+    about = {"recording": info, "baseline_model": document, "refined_model": document}
+    about |= {"machine": this_machine(), "next_experiment": "", "residual_map": None}
+    return DiagnosisResult.model_validate(nothing | about | more)
 
 
 def unfitted(case: JointCase, found: Coupling, broken: MechanismResult | None = None) -> DiagnosisResult:

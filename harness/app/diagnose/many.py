@@ -82,13 +82,22 @@ def diagnose(
     out : new or empty folder, None for reports/NAME-TIME here. label : what to call the file, where it stands in for
     another ("-"). Raises InputError, SimulationError, StoreError.
     """
+    if options.servo is not None:
+        return _servo([(path, label or str(path))], options, out, progress, command)
     if options.robot is not None:
         from harness.app.diagnose.joint import diagnose_joint
 
         return diagnose_joint(path, options.robot, options, out, progress, command, label)
     label = str(path) if label is None else label
     progress("reading", 0, STEPS)
-    recording = read_as(label, path, options.reading, options.trace)
+    try:
+        recording = read_as(label, path, options.reading, options.trace)
+    except InputError:
+        if _of_servo(path, options):
+            return _servo([(path, label)], options, out, progress, command)
+        raise
+    if recording.extra.get("commanded") and _of_servo(path, options):
+        return _servo([(path, label)], options, out, progress, command)
     name = "stdin" if label == "-" else path.name.split(".")[0]
     return deliver(recording, options, out, name, progress, command)
 
@@ -104,10 +113,28 @@ def diagnose_together(
 
     named : path and label of each. Raises InputError, SimulationError, StoreError.
     """
+    if options.servo is not None:
+        return _servo(named, options, out, progress, command)
     progress("reading", 0, STEPS)
     runs = (read_runs(label, path, options.reading, options.trace) for path, label in named)
     recordings = [one for each in runs for run in each for one in decays_of(run, classify(run, options.restoring))]
     return deliver(recordings, options, out, "together", progress, command)
+
+
+def _of_servo(path: Path, options: DiagnoseOptions) -> bool:
+    """Whether nothing else is asked and a file is of joints that follow goals."""
+    from harness.app.diagnose.servo import follows_goals
+
+    asked = (options.model, options.sim, options.validate, options.trace, options.restoring)
+    return all(one is None for one in asked) and follows_goals(path, options)
+
+
+def _servo(
+    named: Sequence[tuple[Path, str]], options: DiagnoseOptions, out: Path | None, progress: Progress, command: str
+) -> DiagnosisResult:
+    from harness.app.diagnose.servo import diagnose_servo
+
+    return diagnose_servo(named, options, out, progress, command)
 
 
 def failed(label: str, reason: str) -> FailedDiagnosis:

@@ -135,6 +135,33 @@ _READ: Mapping[str, Callable[[str], Any]] = {
 """How text becomes an option."""
 
 
+@dataclass(frozen=True, slots=True)
+class ServoOptions:
+    """What somebody says of a servo whose goals and positions are logged.
+
+    name : of a preset, None where nobody says it. gains : its own gain in force, one, or one a log; none for the
+    preset's.
+    """
+
+    name: str | None = None
+    gains: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        for gain in self.gains:
+            positive("--servo, after the colon", gain, "")
+
+    @classmethod
+    def chosen(cls, text: str | None) -> "ServoOptions | None":
+        """NAME, NAME:GAIN or NAME:GAIN,GAIN,...; None where nothing is given. Raises InputError."""
+        if text is None:
+            return None
+        name, _, gains = text.partition(":")
+        return cls(name.strip(), tuple(_number("--servo", one) for one in gains.split(",") if one.strip()))
+
+    def settings(self) -> dict[str, Any]:
+        return {"servo": self.name, "gains": list(self.gains)}
+
+
 Zero = Literal["spring", "free"]
 
 
@@ -150,7 +177,8 @@ class DiagnoseOptions:
     engines; dt in s, None for one that suits the recording (as shipped: the engine's own). covariates : columns of the
     recording that act on the slider. robot : whose joint's log the
     recording is. guarded : it is a robot's joint, whose fitted force does not count beside reversals.
-    budget : s of a usual processor that trying laws may cost, None for the usual.
+    budget : s of a usual processor that trying laws may cost, None for the usual. servo : whose goals and positions the
+    recording is.
 
     Raises InputError for a value that does not exist and for options that contradict each other.
     """
@@ -172,6 +200,7 @@ class DiagnoseOptions:
     robot: RobotOptions | None = None
     guarded: bool = False
     budget: float | None = None
+    servo: ServoOptions | None = None
 
     def __post_init__(self) -> None:
         for name, unit in (("mass", "kg"), ("horizon", "s"), ("budget", "s"), ("dt", "s")):
@@ -197,6 +226,11 @@ class DiagnoseOptions:
             registry.check(name, "--engine")
         if self.robot is not None:
             self._check_robot()
+        if self.servo is not None:
+            for option in ("model", "sim", "validate", "trace", "covariates", "mass", "restoring", "zero"):
+                if getattr(self, option) not in (None, ()):
+                    found = f"given with --{option.removesuffix('s')}"
+                    raise InputError("--servo", found, "one of the two is accepted")
 
     def _check_robot(self) -> None:
         """Refuse what a robot's model says itself, and what is not done with a log of joints."""
@@ -279,6 +313,7 @@ class DiagnoseOptions:
             "dt_s": self.dt,
             **({} if self.budget is None else {"budget_s": self.budget}),
             **({} if self.robot is None else {"robot": self.robot.settings()}),
+            **({} if self.servo is None else {"servo": self.servo.settings()}),
             **({"covariates": [_written(one) for one in self.covariates]} if self.covariates else {}),
         }
 

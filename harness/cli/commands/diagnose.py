@@ -68,6 +68,7 @@ STANDARD_INPUT = "-"
     click.option("--offset", metavar="NAME=RAD,..", help="Added to positions: where the model's zero is another."),
     click.option("--angle-unit", metavar="UNIT", help="Of a robot's positions that say none, such as deg.  [rad]"),
     click.option("--payload", type=float, metavar="KG", help="What the arm carried, where all of it moves."),
+    click.option("--servo", metavar="NAME[:GAIN,..]", help="Whose goals and positions are logged: sts3215:16, xl330.."),
     click.option("--sensor", metavar="link|motor", help="Side of the gearbox on which torque is measured.  [motor]"),
 )
 @engines_option("mujoco, pybullet")
@@ -146,6 +147,8 @@ def command(
                  --engine mujoco --preset as-shipped
              harness diagnose log.csv --robot arm.urdf
              harness diagnose log.csv --robot arm.urdf --joint elbow
+             harness diagnose log.csv --servo sts3215:16 \\
+                 --robot so101.xml --joint elbow_flex
              harness diagnose day-*.mcap --robot arm.urdf \\
                  --conditions days.csv
     """
@@ -160,10 +163,11 @@ def command(
     if sim is None:
         given = sim_reading | {"sim_skip_rows": sim_reading["sim_skip_rows"] or None}
         refuse("given without --sim", "it is accepted with --sim TRACE", **given)
-    from harness.app.diagnose.options import DiagnoseOptions, RobotOptions
+    from harness.app.diagnose.options import DiagnoseOptions, RobotOptions, ServoOptions
     from harness.app.shared.reading import ReadOptions
 
     file, joint, gravity = robot or (None, None, None)
+    servo = ServoOptions.chosen(known.pop("servo"))
     options = DiagnoseOptions.chosen(
         ReadOptions(**reading),
         sim_reading=ReadOptions(
@@ -174,6 +178,7 @@ def command(
         ),
         engines=engines or None,
         sim=sim,
+        servo=servo,
         robot=RobotOptions.chosen(file, joint=joint, gravity=gravity, join=robot and reading["join"], **known),
         **chosen,
     )

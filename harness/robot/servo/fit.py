@@ -14,7 +14,7 @@ from harness.fit.covariance import coloured_covariance
 from harness.fit.least_squares import Bounds, Stop, Until, least_squares
 from harness.robot.servo.plant import NUMBERS, Run
 
-LONGEST = 30.0
+LONGEST = 20.0
 """s of a free run: an error of its start is forgotten long before, but where a joint rests."""
 _STEP = 2e-3
 """Of a difference quotient, in ordinary sizes of a number: above the roughness that sticking leaves in a run."""

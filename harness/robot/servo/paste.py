@@ -52,7 +52,7 @@ def pasted(found: ServoFit, joint: str, volts: float, kp: float, dt: float) -> S
     values = {**found.logs.known, **found.values}
     stiff = values["stall"] * volts * values["gain"] * kp
     most = values["stall"] * volts * values.get("limit", math.inf)
-    damping = values.get("brake", 0.0) + values["c"]
+    damping = max(values.get("brake", 0.0) + values["c"], 0.0)
     own = JointPaste(joint, values["f_k"], damping, max(values["armature"], 0.0), dt)
     return ServoPaste(own, stiff, min(most, values.get("most", math.inf)), values["delay"])
 
@@ -61,8 +61,8 @@ def bam(found: ServoFit, servo: Preset | None, volts: float) -> tuple[dict[str, 
     """A file of BAM's parameters as a mapping, and what it cannot say. volts : of the supply."""
     values: Mapping[str, float] = {**found.logs.known, **found.values}
     stall, c = values["stall"], values["c"]
-    k_t = values["brake"] / stall if "brake" in values else servo.k_t if servo is not None else c / stall
-    viscous = c if "brake" in values else max(c - stall * k_t, 0.0)
+    k_t = servo.k_t if servo is not None and "brake" in found.logs.known else values["brake"] / stall
+    viscous = max(c + values["brake"] - stall * k_t, 0.0)
     said: dict[str, float | str] = {"kt": k_t, "R": k_t / stall, "armature": values["armature"]}
     said |= {"q_offset": values.get("zero", 0.0), "command_delay": values["delay"], "friction_base": values["f_k"]}
     said |= {"friction_viscous": viscous}

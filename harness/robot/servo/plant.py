@@ -27,7 +27,7 @@ NUMBERS: Mapping[str, Number] = {
     "limit": Number("1", 1.0, 1e-3),
     "brake": Number("N m s/rad", 0.05),
     "armature": Number("kg m^2", 0.005, 1e-7),
-    "c": Number("N m s/rad", 0.05),
+    "c": Number("N m s/rad", 0.05, -np.inf),
     "f_k": Number("N m", 0.05),
     "f_s": Number("N m", 0.05),
     "v_s": Number("rad/s", 0.2, 0.02, 5.0),
@@ -45,13 +45,13 @@ NUMBERS: Mapping[str, Number] = {
     "most": Number("N m", 0.5, 1e-4),
     "concave": Number("1", 0.1, 0.0, 0.8),
 }
-"""stall : torque at rest a volt. gain : duty over the error of position and over the servo's own gain. kd : duty over
-speed. limit : of the duty. brake : of the motor's own voltage, while it drives (k_t^2/R). c : of the gears. f_k : dry
-friction at speed, f_s : more at rest, fading over v_s. load : friction over what the gears carry; of the motor's torque
-and of the load's, where they differ; load_rest : more of it at rest. delay : of goals. dead : error without effect.
-play : of the gears. zero : what the sensor shows at the model's zero. sine, cosine : of gravity without a model's.
-ramp : speed at which a goal moves at most. most : torque, by the current's limit. concave : share
-of the torque that is lost at full duty."""
+"""stall : torque at rest a volt. gain : duty over the error of position and over the servo's own gain. kd : duty
+over speed. limit : of the duty. brake : of the motor's own voltage, while it drives (k_t^2/R). c : of the gears,
+or what is more than a given brake. f_k : dry friction at speed, f_s : more at rest, fading over v_s. load :
+friction over what the gears carry; of the motor's torque and of the load's, where they differ; load_rest : more
+of it at rest. delay : of goals. dead : error without effect. play : of the gears. zero : what the sensor shows at
+the model's zero. sine, cosine : of gravity without a model's. ramp : speed at which a goal moves at most. most :
+torque, by the current's limit. concave : share of the torque that is lost at full duty."""
 _AT = {name: i for i, name in enumerate(NAMES)}
 _STARTS = 3
 """Samples on each side of a start from which its speed is read."""
@@ -88,12 +88,12 @@ class Run:
         return [(int(a), int(b)) for a, b in pairwise(edges) if b - a > 2 * _STARTS]
 
     def start(self, at: int) -> tuple[float, float]:
-        """Position and speed at a sample, rad and rad/s, by a line through its neighbours; at rest, none."""
-        low, high = max(at - _STARTS, 0), min(at + _STARTS + 1, self.t.size)
-        t, q = self.t[low:high] - self.t[at], self.q[low:high]
-        if np.ptp(q) <= 1.5 * self.step:
-            return float(np.median(q)), 0.0
-        slope, level = np.polyfit(t, q, 1)
+        """Position and speed at a sample, rad and rad/s, by a parabola through its neighbours; at rest, none."""
+        low = min(max(at - _STARTS, 0), self.t.size - 2 * _STARTS - 1)
+        t, q = self.t[low : low + 2 * _STARTS + 1] - self.t[at], self.q[low : low + 2 * _STARTS + 1]
+        if np.ptp(q) <= 2.5 * self.step:
+            return float(np.mean(q)), 0.0
+        _, slope, level = np.polyfit(t, q, 2)
         return float(level), float(slope)
 
     def simulated(self, values: Mapping[str, float], windows: list[tuple[int, int]]) -> FloatArray:

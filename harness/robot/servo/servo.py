@@ -74,6 +74,9 @@ def identified(
         known |= {"gain": 1.0}
     if not weighs and servo is not None:
         known["stall"] = servo.stall
+    if not _switched_off(runs):
+        # friction under load needs the motor's torque without what its own voltage takes of it
+        known |= {"c": 0.0} if servo is None else {"brake": servo.brake}
     ratio = servo is None and not loaded
     if ratio or (loaded and not weighs and servo is None):
         known["armature"] = 0.0 if loaded else 1.0
@@ -86,14 +89,18 @@ def identified(
     return Servo(Known(servo, loaded, scale), found, base)
 
 
+def _switched_off(runs: Sequence[Run]) -> bool:
+    """Whether the servo does not drive for long enough to part its damping from the gears'."""
+    return float(np.mean(np.concatenate([run.on for run in runs]) == 0.0)) > _OFF
+
+
 def _starts(logs: Logs, servo: Preset | None, inertia: float, free: bool) -> list[dict[str, float]]:
     """Where a fit may begin, the numbers that it fits; free : of a load that no model gives."""
     more = {"sine": 0.0, "cosine": 0.0} if free else {"zero": 0.0}
-    off = float(np.mean(np.concatenate([run.on for run in logs.runs]) == 0.0)) > _OFF
     tries = []
     if servo is not None:
         own = {"stall": servo.stall, "armature": servo.armature, "f_k": servo.f_k, **more}
-        own |= {"brake": servo.brake, "c": servo.c} if off else {"c": servo.brake + servo.c}
+        own |= {"brake": servo.brake, "c": servo.c}
         if servo.gain is None:
             own["gain"] = 0.166 if servo.kp < 100.0 else 0.003
         for factor in (1.0, 4.0) if free else (1.0,):
@@ -104,6 +111,6 @@ def _starts(logs: Logs, servo: Preset | None, inertia: float, free: bool) -> lis
         for omega in _FREQUENCIES:
             stiff = whole * omega**2
             own = {"stall": stiff / (kp * volts), "armature": 0.3 * whole, "f_k": 0.02 * stiff, **more}
-            own |= {"brake": whole * omega, "c": 0.6 * whole * omega} if off else {"c": 2.0 * _ZETA * whole * omega}
+            own |= {"brake": 2.0 * _ZETA * whole * omega, "c": 0.2 * whole * omega}
             tries += [{**own, "delay": delay} for delay in _DELAYS]
     return [{name: value for name, value in one.items() if name not in logs.known} for one in tries]

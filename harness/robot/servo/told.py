@@ -13,11 +13,9 @@ from harness.robot.servo.servo import Servo
 _WEAK, _NONE = 0.03, 0.3
 """Relative standard errors up to which a number is told (6 % is two of them), and from which it is not."""
 _NOT = "no part of the log tells it"
-_STRETCH = 8
-"""Samples over which positions are a line but for their noise."""
-_QUIET = 0.2
-"""Share of stretches, the quietest, whose noise is the sensor's."""
-PLAIN = ("zero", "sine", "cosine", "dead", "delay")
+_NORMAL = 0.6745
+"""Median of the absolute value of a normal number of unit variance."""
+PLAIN = ("zero", "sine", "cosine")
 """Numbers whose size says nothing of how well they are known."""
 
 
@@ -63,10 +61,13 @@ def confounded(servo: Servo, runs: tuple[Run, ...]) -> list[str]:
     """What goal and position cannot part in these logs."""
     values, known = servo.best.values, servo.known
     said = []
-    if "brake" in values:
-        said.append("brake is what damping the motor adds while it drives: k_t^2/R and kd together")
+    if "brake" in values and "c" in values:
+        said.append("brake is the damping that the motor adds while it drives: k_t^2/R and kd together")
     else:
-        said.append("c is one number for the gears' damping, k_t^2/R and kd: only a log with torque off parts them")
+        given = "brake is the data sheet's, c what is more" if "c" in values else "all of it is written as brake"
+        said.append(
+            f"the gears' damping, k_t^2/R and kd are one number ({given}): only a log with torque off parts them"
+        )
     if "gain" in servo.best.logs.known and known.servo is None:
         said.append("torque and duty are one product: without a preset (--servo) the voltage's share is not told")
     if known.scale == "inertia":
@@ -81,16 +82,13 @@ def confounded(servo: Servo, runs: tuple[Run, ...]) -> list[str]:
 
 
 def floor(runs: tuple[Run, ...]) -> float:
-    """rms, rad, of positions' noise and steps: what lines over the quietest stretches leave, at least step/sqrt(12)."""
+    """rms, rad, of positions' noise and steps: by third differences, which the motion hardly shows, at least
+    step/sqrt(12).
+    """
     found = []
     for run in runs:
-        count = run.q.size // _STRETCH
-        t = run.t[: count * _STRETCH].reshape(count, _STRETCH)
-        q = run.q[: count * _STRETCH].reshape(count, _STRETCH)
-        t, q = t - t.mean(axis=1, keepdims=True), q - q.mean(axis=1, keepdims=True)
-        left = q - t * (np.sum(t * q, axis=1) / np.sum(t * t, axis=1))[:, None]
-        spread = np.sqrt(np.sum(left**2, axis=1) / (_STRETCH - 2))
-        found.append(max(float(np.quantile(spread, _QUIET)), run.step / math.sqrt(12.0)))
+        rough = np.median(np.abs(np.diff(run.q, 3))) / (_NORMAL * math.sqrt(20.0))
+        found.append(max(float(rough), run.step / math.sqrt(12.0)))
     return float(np.median(found))
 
 

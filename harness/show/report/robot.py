@@ -101,7 +101,7 @@ def _told(result: DiagnosisResult) -> list[b.Section]:
         *([_identifiable(robot.identifiable)] if robot.identifiable else []),
         *([b.verdict("", pairs, heading="What this log cannot tell apart")] if pairs else []),
         *([_matches(robot.match)] if robot.match else []),
-        _to_paste(robot.paste, result.model_left_out),
+        to_paste(robot.paste, result.model_left_out),
     ]
 
 
@@ -259,7 +259,7 @@ def _matches(match: Sequence[MatchResult]) -> b.Section:
     return b.Section("The log against its model", b.or_nothing(tables))
 
 
-def _to_paste(paste: PasteResult, left_out: Sequence[str] = ()) -> b.Section:
+def to_paste(paste: PasteResult, left_out: Sequence[str] = ()) -> b.Section:
     """left_out : what those formats have no word for, a sentence each."""
     lines = paste.urdf.splitlines()
     dynamics, calls = ("\n".join(line for line in lines if line.startswith("<") is own) for own in (True, False))
@@ -333,7 +333,7 @@ def joint_page(result: JointRunResult, held: Sequence[Trajectory], swings: Seque
         b.verdict(first, rest),
         *([_scores(result, held, swings)] if result.scores else []),
         *([_servo(result)] if result.servo is not None else []),
-        _to_paste(result.paste),
+        to_paste(result.paste),
         made_with(result.machine, result.files, result.command),
     ]
     return b.Page(f"What engines make of {result.joint}", result.file, sections)
