@@ -58,7 +58,13 @@ def test_what_is_left_is_whole_valid_and_made_again_from_the_trace(tmp_path: Pat
         recorded(tmp_path / "a.csv"), ReadOptions(start=0.2), out=tmp_path / "out", command="harness identify"
     )
     folder = tmp_path / "out"
-    assert {file.name for file in folder.iterdir()} == {"result.json", "trace.rrd", "report.html", "log.txt"}
+    assert {file.name for file in folder.iterdir()} == {
+        "result.json",
+        "trace.rrd",
+        "report.html",
+        "log.txt",
+        "damping.csv",
+    }
     data = json.loads((folder / "result.json").read_text())
     jsonschema.validate(data, json.loads((generate.FOLDER / "harness.identify-1.json").read_text()))
     page = (folder / "report.html").read_bytes()

@@ -145,10 +145,10 @@ def test_the_share_is_where_both_ways_are_as_sure() -> None:
     assert pytest.approx(off_left / off_alone, abs=0.05) == force_noise._MOSTLY
 
 
-@pytest.mark.parametrize("jitter", [0.0, 2e-4, 1e-3])
+@pytest.mark.parametrize("jitter", [0.0, 5e-4])
 def test_stamps_that_jitter_are_part_of_the_noise(jitter: float) -> None:
     """An acceleration jumps where dry friction turns round, and a late sample is then taken on the other side."""
-    random, t = np.random.default_rng(8), np.arange(0.0, 8.0, 0.01)
+    random, t = np.random.default_rng(8), np.arange(0.0, 5.0, 0.01)
     late = np.maximum(t + jitter * random.standard_normal(t.size), 0.0)
     a = free_decay(Decay(15.0, 0.01, 0.8e-3, 0.1), late).a + 0.02 * random.standard_normal(t.size)
     found = harness.diagnose(Recording(t, {"a": a}, "phone.csv"), engines=())

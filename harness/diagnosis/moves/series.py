@@ -18,6 +18,8 @@ _STRAYS, _FAR = 1.0, 0.5
 _LOWEST, _BESIDE, _STANDS_OUT = 3, 48, 40.0
 """First frequency of a spectrum that is looked at, frequencies beside one, and times their median at which it is a
 swing's: the largest of 50,000 of noise is 16."""
+_STAY = 5
+"""Samples before and after a jump that lie closer together than half of it."""
 _QUARTERS = 4.0
 """Of a period, in one of which a swing changes one way."""
 _WIDTHS, _LEAST = 3.0, 200
@@ -109,8 +111,10 @@ def _jumps(y: FloatArray) -> int:
     """How often neighbours of y (n,) lie half of its range apart, and what follows stays there."""
     change = np.abs(np.diff(y))
     far = np.flatnonzero(change > _FAR * np.ptp(y))
-    far = far[(far > 4) & (far < y.size - 6)]
-    stays = [np.ptp(y[i + 1 : i + 6]) < 0.5 * change[i] and np.ptp(y[i - 4 : i + 1]) < 0.5 * change[i] for i in far]
+    far = far[(far >= _STAY) & (far < y.size - _STAY - 1)]
+    after = [np.ptp(y[i + 1 : i + 1 + _STAY]) < _FAR * change[i] for i in far]
+    before = [np.ptp(y[i + 1 - _STAY : i + 1]) < _FAR * change[i] for i in far]
+    stays = np.logical_and(before, after).tolist()
     return sum(stays) if 2 * sum(stays) >= far.size else 0
 
 
