@@ -161,7 +161,7 @@ _KNOWN = {
     "stick_deviation_m_s": Heading("slip while it sticks", "mm/s", 1e3, "median |v - belt speed| over what sticks"),
     "amplitude_m": Heading("amplitude", "mm", 1e3, "half of the distance between the turning points"),
     "stop_fraction": Heading("share that stops", "", 1.0, "share of the last periods with friction below its limit"),
-    "normal_error": Heading("normal force error", "", 1.0, "largest |N/(m g) - 1|; 1: the box leaves the floor"),
+    "normal_error": Heading("normal force error", "", 1.0, "largest |N/(m g) - 1|; 1: it leaves what bears it"),
     "mu_v_over_g_s": Heading("mu v / g", "ms", 1e3, "friction coefficient x largest speed / g"),
 }
 _UNITS = {"_m_s2": ("m/s²", 1.0), "_m_s": ("mm/s", 1e3), "_m": ("mm", 1e3), "_s": ("s", 1.0)}

@@ -6,7 +6,7 @@ from harness.core.recording import Recording
 from harness.diagnosis.moves.falling import creeps, falls, rises
 from harness.diagnosis.moves.kinds import MotionKind, Moves
 from harness.diagnosis.moves.places import Places, relaxes, steady
-from harness.diagnosis.moves.series import SMOOTH, Series
+from harness.diagnosis.moves.series import Series
 from harness.diagnosis.moves.swings import FEWEST_HALF_CYCLES, Swings
 from harness.model.model import Restoring
 
@@ -53,14 +53,13 @@ def _forced(series: Series, name: str) -> Moves:
 
 def _unsmooth(series: Series) -> Moves | None:
     """What no mass does."""
-    how = f"changes grow with the time to the power {series.power:.2g}, of a mass with {SMOOTH:.2g} to 1"
     if series.jumps > 1:
         return Moves(MotionKind.NOT_MECHANICAL, f"{series.jumps} jumps within a sample")
     if series.smooth:
         return None
     if series.memory <= _SHORT:
-        return Moves(MotionKind.AT_REST, f"noise about a level ({how})")
-    return Moves(MotionKind.NOT_MECHANICAL, f"it wanders as nothing does that has a mass ({how})")
+        return Moves(MotionKind.AT_REST, "noise about a level: it differs as much from sample to sample as over longer")
+    return Moves(MotionKind.NOT_MECHANICAL, "too rough from sample to sample for a mass, at any level of noise")
 
 
 def _placed(series: Series, free: bool) -> Moves | None:

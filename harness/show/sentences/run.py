@@ -85,7 +85,7 @@ def conclusions(traces: Sequence[TraceResult], scenario: Scenario) -> list[str]:
         else:
             found = [*_creep(trace), *_against(trace, traces[0])]
         if (trace.metrics.lift_m or 0.0) > LIFTED:
-            found.append(f"the box leaves the floor, by at most {mm(trace.metrics.lift_m or 0.0)}.")
+            found.append(f"it leaves what bears it, by at most {mm(trace.metrics.lift_m or 0.0)}.")
         found += filter(None, [position_error(trace)])
         said += [f"{name}: {text}" for text in found]
     return said
