@@ -99,8 +99,9 @@ def _numbers(servo: ServoResult) -> b.Section:
     columns = [
         b.Column("Coulomb alone", lambda name: size(servo.base.get(name))),
         b.Column("with what is named", lambda name: size(servo.parameters[name])),
-        b.Column("told", lambda name: told[name].verdict if name in told else "given"),
-        b.Column("why", lambda name: (told[name].why or None) if name in told else None),
+        b.Column(
+            "told", lambda name: b.Cell(told[name].verdict, told[name].why.split("; ")) if name in told else "given"
+        ),
     ]
     return b.Section("Numbers", [b.tabulated("number", columns, names, str)])
 
