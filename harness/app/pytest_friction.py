@@ -16,7 +16,8 @@ def friction_regressions(pytestconfig: pytest.Config) -> Callable[..., list[str]
     """Call it with an engine's name: sentences on what got worse against the baseline, none when all is well."""
 
     def compare(engine: str, short: bool = True, baseline: Path | None = None) -> list[str]:
-        from harness.app.sweep.regress import compared, fresh_rows, sentence
+        from harness.app.sweep.ci import sentence
+        from harness.app.sweep.regress import compared, fresh_rows
         from harness.app.sweep.sweep import SweepOptions
         from harness.fidelity.compare import REGRESSIONS
 

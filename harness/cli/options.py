@@ -146,6 +146,18 @@ robot_options = group(
 """--robot, --joint, --gravity."""
 
 
+rows_options = group(
+    "rows",
+    dict,
+    click.option(
+        "-k", "only", multiple=True, metavar="PATTERN", help="Rows: part of a name, or a whole one with *; may repeat."
+    ),
+    click.option("--skip", multiple=True, metavar="PATTERN[: WHY]", help="Rows to leave out; may repeat."),
+    click.option("--xfail", multiple=True, metavar="PATTERN[: WHY]", help="Rows known to get worse; may repeat."),
+)
+"""-k, --skip, --xfail, by the names that SweepOptions has for them."""
+
+
 def refuse(found: str, accepted: str, **given: object) -> None:
     """Raise InputError for the first option that is given, by the name of its parameter."""
     for name, value in given.items():

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from harness.fidelity.select import Selection
 from harness.results.sweep import Convergence, Moved, Verdict
 
 
@@ -70,6 +71,19 @@ KEPT = ("engine", "version", "environment", "route", "scenario", "dt_s", "metric
 def kept(row: Row) -> dict[str, Any]:
     """The part of a row that goes into a baseline."""
     return {name: row[name] for name in KEPT}
+
+
+def is_regression(moved: Moved) -> bool:
+    """Whether it fails a gate: for the worse, and not known."""
+    return moved.verdict in REGRESSIONS and moved.expected is None
+
+
+def moved_rows(before: Mapping[str, Row], after: Mapping[str, Row], rows: Selection | None = None) -> list[Moved]:
+    """What changed in every row, by name; rows : which are known to fail."""
+    found = [move for name in sorted({*before, *after}) for move in moves(name, before.get(name), after.get(name))]
+    if rows is None:
+        return found
+    return [move.model_copy(update={"expected": rows.expected(move.name)}) for move in found]
 
 
 def moves(name: str, before: Row | None, after: Row | None) -> Iterator[Moved]:

@@ -12,6 +12,7 @@ from harness.engines.base import PRESETS, ROUTES, Engine, Preset, Route
 from harness.fidelity.kind import OWN as OWN_SLIDERS
 from harness.fidelity.kind import Sliders, drawn, suite
 from harness.fidelity.row import Spec
+from harness.fidelity.select import Selection
 
 Settings = Mapping[str, Any]
 STIFF = 0.9999
@@ -251,7 +252,7 @@ class Matrix:
 
     routes : of those an engine has. presets : names of settings, empty for all. steps : s, in place of the table's own;
     what ships keeps its own step beside them. short : what ships and what is tuned at one step each, five scenarios.
-    sliders : how many suites of random sliders come after the suite's own.
+    sliders : how many suites of random sliders come after the suite's own. rows : which of all these.
     """
 
     routes: tuple[Route, ...] = ROUTES
@@ -259,6 +260,7 @@ class Matrix:
     steps: tuple[float, ...] = ()
     short: bool = False
     sliders: int = 0
+    rows: Selection = field(default_factory=Selection)
 
     def specs(self, engines: Mapping[str, Engine]) -> Iterator[Spec]:
         """The rows of these engines, each once, in a fixed order."""
@@ -268,14 +270,15 @@ class Matrix:
                 for route in self.routes:
                     if route in engine.routes:
                         for spec in self._of(name, engine, route, draw):
-                            if spec.key not in seen:
+                            if spec.key not in seen and self.rows.runs(spec.name):
                                 seen.add(spec.key)
                                 yield spec
 
     def size(self, engines: Mapping[str, Engine]) -> int:
         """How many rows ``specs`` gives."""
-        one = sum(1 for _ in replace(self, sliders=0).specs(engines))
-        return one * (self.sliders + 1)
+        if self.rows != Selection():  # a pattern may mean one slider and not another
+            return sum(1 for _ in self.specs(engines))
+        return sum(1 for _ in replace(self, sliders=0).specs(engines)) * (self.sliders + 1)
 
     def _of(self, name: str, engine: Engine, route: Route, draw: int) -> Iterator[Spec]:
         version, place, sliders = engine.version(), engine.place, drawn(draw) if draw else OWN_SLIDERS

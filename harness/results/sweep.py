@@ -97,6 +97,7 @@ class Moved(Result):
     after: float | None
     verdict: Verdict
     why: str
+    expected: str | None = rare("why the row is known to fail; then it is no regression")
 
 
 class RegressResult(Result):
@@ -108,6 +109,11 @@ class RegressResult(Result):
     moved: list[Moved]
     regressions: int
     not_run: list[str] = Field(default_factory=list, description="engines of the baseline that are not installed here")
+    skipped: dict[str, str] = Field(default_factory=dict, description="rows that were not to be run, and why")
+    passed: dict[str, str] = Field(
+        default_factory=dict, description="rows that were known to fail and do not, and why they were"
+    )
+    unused: list[str] = Field(default_factory=list, description="patterns that no row has the name of")
     versions: dict[str, Any] = Field(default_factory=dict, description="engine versions, baseline's and these")
     machine: Machine
 

@@ -3,6 +3,7 @@
 import re
 import tempfile
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +12,12 @@ from pydantic import ValidationError
 from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.sweep.report import recomputed
-from harness.app.sweep.sweep import SweepOptions, sweep
+from harness.app.sweep.sweep import SweepOptions, engines_for, sweep
 from harness.core.bounded import MOST_DOCUMENT_BYTES, read_bytes
 from harness.core.errors import InputError
 from harness.engines import registry
-from harness.fidelity.compare import REGRESSIONS, kept, moves
+from harness.fidelity.compare import REGRESSIONS, is_regression, kept, moved_rows
+from harness.fidelity.select import Selection
 from harness.io.store import write_text
 from harness.results.sweep import Baseline, BaselineRow, Moved, RegressResult
 
@@ -35,19 +37,35 @@ def load_baseline(path: Path) -> Baseline:
 
 
 def fresh_rows(options: SweepOptions, progress: Progress = SILENT) -> Rows:
-    """Sweep in a folder that goes away; rows by name, what a baseline keeps of them."""
+    """Sweep in a folder that goes away; rows by name, what a baseline keeps of them.
+
+    Raises InputError where no row has a name that was asked for.
+    """
     with tempfile.TemporaryDirectory(prefix="friction-harness-") as folder:
         result = sweep(options, Path(folder) / "sweep", progress)
-        return {row["name"]: kept(row) for row in result.rows()}
+        found = {row["name"]: kept(row) for row in result.rows()}
+    if not found and options.rows != Selection():
+        name = next(iter(matrix_names(options)), "mujoco/joint/tuned")
+        raise InputError("-k, --skip", "no row is left", f"try: -k {name}")
+    return found
 
 
-def update(path: Path, rows: Rows) -> Baseline:
-    """Write rows as the baseline; those of engines and versions that were not run stay. Raises StoreError."""
+def matrix_names(options: SweepOptions) -> list[str]:
+    """Names of all rows there are, run or skipped."""
+    matrix = replace(options.matrix, rows=Selection())
+    return [spec.name for spec in matrix.specs(engines_for(options))]
+
+
+def update(path: Path, rows: Rows, some: bool = False) -> Baseline:
+    """Write rows as the baseline; those of engines and versions that were not run stay. Raises StoreError.
+
+    some : only some rows of a version were run, and its others stay as well.
+    """
     found = dict(rows)
     if path.is_file():
         run = {_version(row) for row in rows.values()}
         old = {name: row.model_dump() for name, row in load_baseline(path).rows.items()}
-        found |= {name: row for name, row in old.items() if _version(row) not in run}
+        found = {name: row for name, row in old.items() if some or _version(row) not in run} | found
     baseline = Baseline(
         machine=this_machine(), rows={name: BaselineRow.model_validate(found[name]) for name in sorted(found)}
     )
@@ -109,16 +127,29 @@ def compared(path: Path, rows: Rows, options: SweepOptions) -> RegressResult:
     if not (options.short or options.presets or options.steps or options.routes):
         labels = {_version(row): name.partition("/")[0] for name, row in rows.items()}
         every = {f"{label}/{rest}": row for of, label in labels.items() for rest, row in held.get(of, {}).items()}
-        before |= {name: row for name, row in every.items() if name not in rows}
+        before |= {name: row for name, row in every.items() if name not in rows and options.rows.runs(name)}
     absent = {engine for engine, _, _ in held} - {row["engine"] for row in rows.values()}
-    not_run = sorted(absent & {name for name, why in registry.available().items() if why is not None})
-    return _result(str(path), before, rows, not_run, sorted(set(before) | set(rows)))
+    missing = {} if options.engines else registry.available()
+    not_run = sorted(absent & {name for name, why in missing.items() if why is not None})
+    if options.rows == Selection():
+        return _result(str(path), before, rows, not_run)
+    return _result(str(path), before, rows, not_run, options.rows, matrix_names(options))
 
 
 def _result(
-    path: str, before: Mapping[str, Mapping[str, Any]], after: Rows, not_run: list[str], names: Iterable[str]
+    path: str,
+    before: Rows,
+    after: Rows,
+    not_run: list[str],
+    rows: Selection | None = None,
+    names: Iterable[str] = (),
 ) -> RegressResult:
-    found = [move for name in names for move in moves(name, before.get(name), after.get(name))]
+    """rows : known to fail, or skipped. names : of all rows there are."""
+    rows, names = rows or Selection(), [*names]
+    found = moved_rows(before, after, rows)
+    failing = {move.name for move in found if move.verdict in REGRESSIONS}
+    skipped = ((name, rows.skipped(name)) for name in names if rows.chosen(name))
+    passed = ((name, rows.expected(name)) for name in after if name in before and name not in failing)
     versions = {
         name.partition("/")[0]: {"baseline": row["version"], "now": after[name]["version"]}
         for name, row in before.items()
@@ -128,62 +159,42 @@ def _result(
         baseline=path,
         rows=len(after),
         moved=found,
-        regressions=sum(move.verdict in REGRESSIONS for move in found),
+        regressions=sum(map(is_regression, found)),
         not_run=not_run,
+        skipped={name: why for name, why in skipped if why is not None},
+        passed={name: why for name, why in passed if why is not None},
+        unused=rows.unused(names),
         versions=versions,
         machine=this_machine(),
     )
 
 
-def compared_traces(folder: Path, baseline: Path | None) -> RegressResult:
+def compared_traces(folder: Path, baseline: Path | None, rows: Selection | None = None) -> RegressResult:
     """Metrics and estimates recomputed from every .rrd below a folder, without any engine.
 
     Against a baseline they are held to its tolerances; without one, to the very bits that were stored. Raises
-    InputError when there is no trace of a sweep.
+    InputError when there is no trace of a sweep. rows : which are looked at, and which are known to fail.
     """
     files = sorted(folder.rglob("*.rrd"))
     if not files:
         raise InputError(f"--traces {folder}", "no .rrd files", "the traces folder of a sweep is accepted")
-    rows = [recomputed(file) for file in files]
+    rows = rows or Selection()
+    found = {row["name"]: (row, stored) for row, stored in map(recomputed, files) if rows.runs(row["name"])}
     if baseline is not None:
-        after = {row["name"]: kept(row) for row, _ in rows}
-        return _result(str(baseline), _against(_held(baseline), after), after, [], sorted(after))
-    found = []
-    for row, stored in rows:
+        after = {name: kept(row) for name, (row, _) in found.items()}
+        return _result(str(baseline), _against(_held(baseline), after), after, [], rows, found)
+    moved = []
+    for name, (row, stored) in found.items():
         for metric in dict.fromkeys([*stored, *row["metrics"]]):
             old, new = stored.get(metric), row["metrics"].get(metric)
             if old != new:
-                why = "without a baseline not one bit may differ"
-                found.append(Moved(name=row["name"], metric=metric, before=old, after=new, verdict="worse", why=why))
+                why, known = "without a baseline not one bit may differ", rows.expected(name)
+                one = Moved(name=name, metric=metric, before=old, after=new, verdict="worse", why=why, expected=known)
+                moved.append(one)
     return RegressResult(
-        baseline="what the traces hold", rows=len(rows), moved=found, regressions=len(found), machine=this_machine()
+        baseline="what the traces hold",
+        rows=len(found),
+        moved=moved,
+        regressions=sum(map(is_regression, moved)),
+        machine=this_machine(),
     )
-
-
-def junit(result: RegressResult, names: Iterable[str]) -> str:
-    """The result as JUnit XML: one test case a row, its regressions as a failure."""
-    from lxml import etree
-
-    bad: dict[str, list[Moved]] = {}
-    for moved in result.moved:
-        if moved.verdict in REGRESSIONS:
-            bad.setdefault(moved.name, []).append(moved)
-    cases = sorted(set(names) | set(bad))
-    suite = etree.Element(
-        "testsuite", name="friction fidelity", tests=str(len(cases)), failures=str(len(bad)), errors="0"
-    )
-    for name in cases:
-        engine, _, rest = name.partition("/")
-        case = etree.SubElement(suite, "testcase", classname=f"friction.{engine}", name=rest)
-        if name in bad:
-            lines = [sentence(moved) for moved in bad[name]]
-            etree.SubElement(case, "failure", message=lines[0]).text = "\n".join(lines)
-    root = etree.Element("testsuites")
-    root.append(suite)
-    return str(etree.tostring(root, xml_declaration=True, encoding="utf-8", pretty_print=True).decode())
-
-
-def sentence(moved: Moved) -> str:
-    if not moved.metric:
-        return f"{moved.verdict}: {moved.why}"
-    return f"{moved.metric} {moved.verdict}: {moved.before} -> {moved.after}, allowed {moved.why}"

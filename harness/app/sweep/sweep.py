@@ -22,6 +22,7 @@ from harness.engines.base import ROUTES, Engine, choice
 from harness.fidelity.compare import Ladder
 from harness.fidelity.matrix import Matrix, preset_names
 from harness.fidelity.row import Spec
+from harness.fidelity.select import Selection
 from harness.io.store import held
 from harness.results.common import Machine
 from harness.results.sweep import Convergence, SweepRow
@@ -43,6 +44,7 @@ class SweepOptions:
     in Matrix.
     jobs : local processes, None for one a core. cluster : address of a dask scheduler, None for the local pool.
     keep : how many of the worst rows to keep as traces. resume : go on with the rows a folder holds.
+    only, skip, xfail : patterns of rows, as in Selection.
 
     Raises InputError for what does not exist.
     """
@@ -57,6 +59,9 @@ class SweepOptions:
     cluster: str | None = None
     keep: int = 0
     resume: bool = False
+    only: tuple[str, ...] = ()
+    skip: tuple[str, ...] = ()
+    xfail: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         for step in self.steps:
@@ -69,7 +74,12 @@ class SweepOptions:
     @property
     def matrix(self) -> Matrix:
         routes = tuple(route for route in ROUTES if not self.routes or route in self.routes)
-        return Matrix(routes, self.presets, self.steps, self.short, self.sliders)
+        return Matrix(routes, self.presets, self.steps, self.short, self.sliders, self.rows)
+
+    @property
+    def rows(self) -> Selection:
+        """Rows that are run, skipped and known to fail."""
+        return Selection.of(self.only, self.skip, self.xfail)
 
 
 @dataclass(frozen=True, slots=True)
