@@ -20,6 +20,7 @@ PAGES = (
     "own-recording.md",
     "own-simulation.md",
     "robot-example.md",
+    "robot-plan.md",
     "words.md",
     "own-scene.md",
     "robot-servo.md",
@@ -27,7 +28,7 @@ PAGES = (
 GIVEN = (DOCS / "example" / "rig.csv", DOCS.parent / "models" / "arm" / "arm.xml")
 _BLOCK = re.compile(r"(?<=^```console\n)\$ .*?(?=^```$)", re.MULTILINE | re.DOTALL)
 _FILE = re.compile(r"^`(\S+\.\w+)`:\n\n```\w+\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-_ELSEWHERE = re.compile(r"^report: |\bit costs ")
+_ELSEWHERE = re.compile(r"^(report|trajectory): |\bit costs ")
 """Lines of paths, and of times that are another machine's."""
 _WIDTH = 110
 

@@ -22,6 +22,7 @@ from harness.results.common import ModelDocument, MotionResult
 from harness.results.compare import CompareResult
 from harness.results.diagnosis import DiagnosisResult
 from harness.results.identify import IdentifyResult
+from harness.results.plan import PlanResult
 from harness.results.robot import LogResult
 from harness.results.run import JointRunResult, RunResult
 from harness.results.scene import SceneResult
@@ -36,6 +37,7 @@ __all__ = [
     "Model",
     "ModelDocument",
     "MotionResult",
+    "PlanResult",
     "Recording",
     "RunResult",
     "SceneResult",
@@ -49,6 +51,7 @@ __all__ = [
     "load_log",
     "log",
     "motion",
+    "plan",
     "run",
     "run_joint",
     "run_scene",
@@ -360,6 +363,31 @@ def run_scene(
         return computed(asked, Path(out))
     with TemporaryDirectory(prefix="friction-harness-") as folder:
         return computed(asked, Path(folder) / "scene").model_copy(update={"files": {}})
+
+
+def plan(
+    robot: File,
+    joints: Sequence[str] = (),
+    *,
+    seconds: float = 20.0,
+    rate: float = 250.0,
+    speed: float | None = None,
+    torque: float | None = None,
+    out: File | None = None,
+) -> PlanResult:
+    """A motion within the limits of a robot's positions, speeds and torques by which friction has the least errors.
+
+    robot : MJCF or URDF. joints : those that move; all where none is named. seconds : long. rate : Hz of the CSV.
+    speed : rad/s or m/s, torque : N m or N, of every joint in place of the model's limits. out : as in ``run``; the
+    motion is in files there. Raises InputError, StoreError.
+    """
+    from harness.app.plan import plan as computed
+
+    if out is not None:
+        return computed(Path(robot), joints, seconds, rate, speed, torque, Path(out))
+    with TemporaryDirectory(prefix="friction-harness-") as folder:
+        found = computed(Path(robot), joints, seconds, rate, speed, torque, Path(folder) / "plan")
+        return found.model_copy(update={"files": {}})
 
 
 def log(
