@@ -121,20 +121,37 @@ def _cut_off(t: FloatArray, below: FloatArray, noise: Noise, run: tuple[int, int
             and float(below[chosen].min()) >= -2.0 * deepest
             and float(np.diff(together).max()) <= _GAP * usual
             and _goes_beyond(t[chosen], below[chosen], t[inside], noise)
+            and not _comes_to_rest(t[chosen], below[chosen], noise)
         )
     return bool(told) and all(told)
 
 
 def _goes_beyond(t: FloatArray, y: FloatArray, times: FloatArray, noise: Noise) -> bool:
     """Whether the parabola through y (m,) at t (m,) is clearly above 0 at any of the times (k,)."""
+    said, error = _said_there(t, y, times, noise)
+    least = max(_STEPS * noise.step, -_BEYOND * float(y.min()))
+    return bool(np.any((said > _CLEAR * error) & (said > least)))
+
+
+def _comes_to_rest(t: FloatArray, y: FloatArray, noise: Noise) -> bool:
+    """Whether the samples nearest to a run, the first of y (m,) at t (m,), contradict that the motion goes on.
+
+    A servo's way from rest to rest bends twice, and one parabola through all of it runs on through the rest.
+    """
+    near = max(_BESIDE[0], -(-t.size // 4))
+    inside = 2.0 * t[0] - t[:near]
+    said, error = _said_there(t[:near], y[:near], inside, noise)
+    return bool(np.all(said + 2.0 * error < -_BEYOND * float(y[:near].min())))
+
+
+def _said_there(t: FloatArray, y: FloatArray, times: FloatArray, noise: Noise) -> tuple[FloatArray, FloatArray]:
+    """What the parabola through y (m,) at t (m,) says at times (k,), and its standard errors."""
     middle, half = float(np.mean(t)), float(np.ptp(t)) / 2.0
     basis = np.vander((t - middle) / half, 3)
     there = np.vander((times - middle) / half, 3)
     inverse = np.linalg.inv(basis.T @ basis)
-    said = there @ inverse @ (basis.T @ y)
     error = max(noise.sigma, 0.5 * noise.step) * np.sqrt(np.einsum("ij,jk,ik->i", there, inverse, there))
-    least = max(_STEPS * noise.step, -_BEYOND * float(y.min()))
-    return bool(np.any((said > _CLEAR * error) & (said > least)))
+    return there @ inverse @ (basis.T @ y), error
 
 
 def believed(recording: Recording, channels: Sequence[str]) -> tuple[Recording, tuple[str, ...]]:
