@@ -109,7 +109,7 @@ def _beside_main(first: Finalist, graded: Graded) -> tuple[Alternative, ...]:
 
     A law of the amplitude and one of the time follow one decay alike, to the shape that small effects give it.
     """
-    others = [f for f in graded.finalists if f is not first and not f.clock]
+    others = [f for f in graded.finalists if f.name != first.name and not f.clock]
     parted = graded.misfit.problem.parts_amplitude_from_time
     twins = {f.name for f in others if not parted and f.large and not_parted(first.name, f.name)}
     found = [Alternative(f.name, first.gain - f.gain) for f in others]
