@@ -134,14 +134,17 @@ def _goes_beyond(t: FloatArray, y: FloatArray, times: FloatArray, noise: Noise) 
 
 
 def _comes_to_rest(t: FloatArray, y: FloatArray, noise: Noise) -> bool:
-    """Whether the samples nearest to a run, the first of y (m,) at t (m,), contradict that the motion goes on.
+    """Whether the first 4, 8, .. samples beside a run, of y (m,) at t (m,), contradict that the motion goes on.
 
     A servo's way from rest to rest bends twice, and one parabola through all of it runs on through the rest.
     """
-    near = max(_BESIDE[0], -(-t.size // 4))
-    inside = 2.0 * t[0] - t[:near]
-    said, error = _said_there(t[:near], y[:near], inside, noise)
-    return bool(np.all(said + 2.0 * error < -_BEYOND * float(y[:near].min())))
+    near = _BESIDE[0]
+    while near <= t.size:
+        said, error = _said_there(t[:near], y[:near], 2.0 * t[0] - t[:near], noise)
+        if np.all(said + 2.0 * error < -_BEYOND * float(y[:near].min())):
+            return True
+        near *= 2
+    return False
 
 
 def _said_there(t: FloatArray, y: FloatArray, times: FloatArray, noise: Noise) -> tuple[FloatArray, FloatArray]:

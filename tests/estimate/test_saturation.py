@@ -111,6 +111,23 @@ def test_no_free_motion_is_cut(seed: int, samples: int, noise: float, step: floa
     assert not saturated(t, x, channel_noise(t, x)).any()
 
 
+@settings(max_examples=60, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1), rate=st.floats(10.0, 60.0), step=st.sampled_from([0.0, 4e-4, 1.5e-3]))
+def test_no_rest_of_a_servo_is_cut(seed: int, rate: float, step: float) -> None:
+    """Quintic moves between rests of seconds, coarsely and irregularly sampled by a counting encoder."""
+    r = np.random.default_rng(seed)
+    goals, begin, x = r.uniform(-1.5, 1.5, 9), 0.0, 0.0
+    t = np.cumsum((1.0 + 0.4 * r.uniform(-1.0, 1.0, int(36 * rate))) / rate)
+    y = np.zeros(t.size)
+    for goal in goals:
+        lasts = r.uniform(0.6, 2.0)
+        s = np.clip((t - begin) / lasts, 0.0, 1.0)
+        y += (goal - x) * s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
+        x, begin = goal, begin + lasts + r.uniform(1.0, 3.0)
+    y = np.round(y / step) * step if step else y
+    assert not saturated(t, y, channel_noise(t, y, rests=True)).any()
+
+
 def test_a_recording_that_is_nearly_all_cut_off_is_refused() -> None:
     t = np.arange(0.0, 3.0, 0.01)
     recording = Recording(t, {"x": np.clip(np.sin(2.0 * t), -0.2, 0.2)})
