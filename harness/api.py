@@ -278,6 +278,8 @@ def diagnose_joint(
     offset: Mapping[str, float] | None = None,
     angle_unit: str | None = None,
     join: Sequence[File] = (),
+    calibration: File | None = None,
+    topic: str | None = None,
     rate: float | None = None,
     engines: Sequence[str] | None = None,
     out: File | None = None,
@@ -288,9 +290,10 @@ def diagnose_joint(
     for the only one that moves. gain : of a log in amperes, N m per A at the joint, for all, one each in the model's
     order, or by joint. gravity : m/s^2 in the frame of the base, None for the model's own. payload : kg, and sensor,
     "link" or "motor" : what is known where the whole arm moves. names : of the log's joints, or of a field
-    ("elbow.effort"), the model's. flip : joints that turn the other way. offset : rad or m by joint, added to its
-    position. angle_unit : of positions. join, rate : as in ``load_log``. engines : as in ``diagnose``. out : folder for
-    report, trace and models, as the command leaves them.
+    ("elbow.effort"), the model's; {"a_joint{i}": "b_joint{i}"} of all of that shape, {"*": "*"} in their order. flip :
+    joints that turn the other way. offset : rad or m by joint, added to its position. angle_unit : of positions. join,
+    calibration, topic, rate : as in ``load_log``. engines : as in ``diagnose``. out : folder for report, trace and
+    models, as the command leaves them.
 
     Raises InputError, SimulationError, StoreError.
     """
@@ -310,6 +313,8 @@ def diagnose_joint(
         offset=offset or {},
         angle_unit=angle_unit,
         join=tuple(map(Path, join)),
+        calibration=None if calibration is None else Path(calibration),
+        topic=topic,
     )
     assert asked is not None
     options = DiagnoseOptions.chosen(ReadOptions(rate=rate), engines=engines, robot=asked)
@@ -403,6 +408,7 @@ def log(
     stop: float | None = None,
     drop_nan: bool = False,
     join: Sequence[File] | None = None,
+    calibration: File | None = None,
 ) -> LogResult:
     """What a log of a robot's joints holds: topics, joints, fields, units, rates, gaps, and what is odd about it.
 
@@ -414,7 +420,16 @@ def log(
 
     files = tuple(map(Path, join or ()))
     options = LogOptions(
-        columns, skip_rows, rate, start, stop, drop_nan, topic=topic, angle_unit=angle_unit, join=files
+        columns,
+        skip_rows,
+        rate,
+        start,
+        stop,
+        drop_nan,
+        topic=topic,
+        angle_unit=angle_unit,
+        join=files,
+        calibration=None if calibration is None else Path(calibration),
     )
     return answer(Path(file), options, gain)
 
@@ -433,6 +448,7 @@ def load_log(
     stop: float | None = None,
     drop_nan: bool = False,
     join: Sequence[File] = (),
+    calibration: File | None = None,
 ) -> JointLog:
     """Read a log of a robot's joints, in SI units.
 
@@ -441,6 +457,7 @@ def load_log(
     set. gain : N m per A at the joint, one for all or by joint. angle_unit : of positions that say none. skip_rows :
     lines before the header. rate : Hz, where no column gives the time. start, stop : s, the part to keep. drop_nan :
     leave out rows in which a joint has no value. join : further files of the log, each with a signal of all joints.
+    calibration : LeRobot's file, where positions are -100 to 100 of each joint's range.
 
     Raises InputError naming what is wrong, and where.
     """
@@ -459,6 +476,7 @@ def load_log(
         stop=stop,
         drop_nan=drop_nan,
         join=tuple(map(Path, join)),
+        calibration=None if calibration is None else Path(calibration),
     )
 
 

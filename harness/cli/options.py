@@ -110,17 +110,22 @@ _JOIN = click.option(
 reading_options = group("reading", dict, _COLUMNS, *_READING, _JOIN)
 """Those of _READING, --columns and --join, by the names that ReadOptions has for them."""
 trace_option = click.option("--trace", metavar="NAME", help='Which trace of a .rrd, such as "mujoco tuned".')
+calibration_option = click.option(
+    "--calibration", type=PATH, metavar="FILE", help="LeRobot's, where positions are -100 to 100 of each joint's range."
+)
+topic_option = click.option("--topic", metavar="NAME", help="Which topic of a bag, or episode of a data set.")
 log_options = group(
     "reading",
     dict,
     click.option("--columns", metavar="MAP", help='Columns and units: "t=t,elbow.position=q3[deg]".'),
     *_READING,
     _JOIN,
-    click.option("--topic", metavar="NAME", help="Which topic of a bag, or episode of a data set."),
+    topic_option,
     click.option("--gain", type=float, metavar="NM_PER_A", help="Makes efforts of currents, N m per A at the joint."),
     click.option("--angle-unit", metavar="UNIT", help="Of positions that say none, such as deg.  [rad]"),
+    calibration_option,
 )
-"""Those of a robot's log: the same but for --trace, and --topic, --gain, --angle-unit."""
+"""Those of a robot's log: the same but for --trace, and --topic, --gain, --angle-unit, --calibration."""
 
 Gravity = tuple[float, float, float]
 Joint = tuple[Path, str | None, Gravity | None]

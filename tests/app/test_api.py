@@ -56,6 +56,8 @@ def test_every_option_of_a_command_is_an_argument_with_its_default(name: str) ->
         "offset",
         "angle_unit",
         "join",
+        "calibration",
+        "topic",
     }
     # of many recordings in one call: the library leaves the loop over them to its user
     elsewhere |= {"cluster", "conditions"}

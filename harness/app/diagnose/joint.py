@@ -116,6 +116,8 @@ def _read(
         flip=asked.flip,
         offset=asked.offset,
         join=asked.join,
+        calibration=asked.calibration,
+        topic=asked.topic,
         skip_rows=reading.skip_rows,
         rate=reading.rate,
         start=reading.start,

@@ -31,7 +31,8 @@ class RobotOptions:
     file : MJCF or URDF. joint : of both, or "all"; None for the only one that moves, or all. gain : of a log in
     amperes, N m per A (N per A) at the joint, for all, one each in the model's order, or by joint. gravity : m/s^2 in
     the frame of the base, None for the model's own. payload : at the last body, kg. sensor : the side of the gearbox on
-    which the torque is measured. names, flip, offset, angle_unit, join : as ``read_joint_log`` has them.
+    which the torque is measured. names, flip, offset, angle_unit, join, calibration, topic : as ``read_joint_log`` has
+    them.
 
     Raises InputError for a number that is none, or not above 0, and for a side that does not exist.
     """
@@ -47,6 +48,8 @@ class RobotOptions:
     offset: Mapping[str, float] = field(default_factory=dict)
     angle_unit: str | None = None
     join: tuple[Path, ...] = ()
+    calibration: Path | None = None
+    topic: str | None = None
 
     def __post_init__(self) -> None:
         gains = () if self.gain is None else self.gain.values() if isinstance(self.gain, Mapping) else self.gain
@@ -95,6 +98,8 @@ class RobotOptions:
             "offset": dict(self.offset),
             "angle_unit": self.angle_unit,
             "join": [str(path.absolute()) for path in self.join],
+            "calibration": None if self.calibration is None else str(self.calibration.absolute()),
+            "topic": self.topic,
         }
 
 

@@ -62,7 +62,8 @@ def read_servo_log(
     """A log of joints with what a servo's has beside positions. Raises InputError."""
     more: dict[str, Any] = {}
     if robot is not None:
-        more = {"angle_unit": robot.angle_unit, "names": robot.names, "flip": robot.flip, "offset": robot.offset}
+        named = ("angle_unit", "names", "flip", "offset", "calibration", "topic")
+        more = {name: getattr(robot, name) for name in named}
     return read_joint_log(
         path,
         columns=reading.columns,
@@ -79,7 +80,9 @@ def read_servo_log(
 def follows_goals(path: Path, options: DiagnoseOptions) -> bool:
     """Whether a file is a log of joints whose goals are logged and whose torque is not."""
     with suppress(InputError):
-        log = read_servo_log(path, options.reading, None, None)
+        # names of the model's joints do not matter here, and which part of the file it is does
+        robot = options.robot and RobotOptions(options.robot.file, topic=options.robot.topic)
+        log = read_servo_log(path, options.reading, robot, None)
         return not log.effort and bool(servo_joint(log, None))
     return False
 

@@ -13,6 +13,7 @@ from harness.cli.options import (
     PATH,
     Joint,
     Several,
+    calibration_option,
     engines_option,
     group,
     jobs_option,
@@ -20,6 +21,7 @@ from harness.cli.options import (
     reading_options,
     refuse,
     robot_options,
+    topic_option,
     trace_option,
 )
 from harness.cli.output import Output, say_left_out, this_line
@@ -63,10 +65,14 @@ STANDARD_INPUT = "-"
         metavar="A[,B,...]",
         help="Of efforts in amperes or another unit: N m per A at the joint; one, one a joint, or NAME=A,..",
     ),
-    click.option("--names", metavar="MAP", help="The model's names of the log's joints: \"shoulder_link=joint1,..\""),
+    click.option(
+        "--names", metavar="MAP", help='Of the log\'s joints the model\'s: "a=b,..", "a_joint{i}=b_joint{i}", "*=*"'
+    ),
     click.option("--flip", metavar="NAME,..", help="Joints that turn the other way than in the model."),
     click.option("--offset", metavar="NAME=RAD,..", help="Added to positions: where the model's zero is another."),
     click.option("--angle-unit", metavar="UNIT", help="Of a robot's positions that say none, such as deg.  [rad]"),
+    calibration_option,
+    topic_option,
     click.option("--payload", type=float, metavar="KG", help="What the arm carried, where all of it moves."),
     click.option("--servo", metavar="NAME[:GAIN,..]", help="Whose goals and positions are logged: sts3215:16, xl330.."),
     click.option("--sensor", metavar="link|motor", help="Side of the gearbox on which torque is measured.  [motor]"),

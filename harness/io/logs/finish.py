@@ -10,6 +10,8 @@ from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.errors import InputError
 from harness.core.recording import LARGEST, LONGEST_TIME
 from harness.core.robot.joint_log import JointLog
+from harness.io.logs.calibrated import calibrated
+from harness.io.logs.naming import no_such, renamed
 from harness.io.logs.raw import Field, Fields, LogOptions, Raw, one_of
 from harness.io.logs.suspicions import called, coarse, degrees, odd_velocity, unsigned
 from harness.io.times import sampling_notes
@@ -39,9 +41,9 @@ class Finished:
 def finished(raw: Raw, file: str, options: LogOptions, gain: Gain | None) -> Finished:
     """Choose, check and clean. Raises InputError naming the joint, row or option that is wrong."""
     # joints without names of their own have the model's, by which --names calls them
-    raw = raw if raw.numbered else _renamed(raw, options.names)
+    raw = raw if raw.numbered else renamed(calibrated(raw, options.calibration), options.names, options.joints)
     numbered, raw = raw.numbered, _chosen(raw, file, options.joints)
-    raw = _renamed(raw, options.names) if numbered else raw
+    raw = renamed(calibrated(raw, options.calibration), options.names, None) if numbered else raw
     raw = _turned(_multiplied(_logged(raw), file, gain), options)
     raw = _in_order(_rows(raw, file, options.drop_nan), file)
     raw = _cut(raw, file, options)
@@ -62,22 +64,6 @@ def finished(raw: Raw, file: str, options: LogOptions, gain: Gain | None) -> Fin
     kinds: tuple[Field, ...] = ("current", "magnitude", *_OF_SERVOS)
     beside = {kind: fields[kind] for kind in kinds if fields.get(kind)}
     return Finished(raw.t, position, velocity, effort, beside, tuple(notes))
-
-
-def _renamed(raw: Raw, names: Mapping[str, str]) -> Raw:
-    """Joints, or one field of them, by other names. Raises InputError for a name that the log has not."""
-    if not names:
-        return raw
-    have = list(raw.fields.get("position", {}))
-    fields: Fields = {}
-    for name in names:
-        if name not in have and name.rpartition(".")[0] not in have:
-            raise one_of("--names", name, have, "joint")
-    for kind, of in raw.fields.items():
-        moved = {joint: names.get(f"{joint}.{kind}", names.get(joint, joint)) for joint in of}
-        fields[kind] = {moved[joint].removesuffix(f".{kind}"): values for joint, values in of.items()}
-    said = ", ".join(f"{one} is {other}" for one, other in names.items())
-    return replace(raw, fields=fields, notes=(*raw.notes, f"Of the log's joints {said} (--names)."))
 
 
 def _turned(raw: Raw, options: LogOptions) -> Raw:
@@ -118,7 +104,7 @@ def _chosen(raw: Raw, file: str, joints: tuple[str, ...] | None) -> Raw:
     else:
         names = {joint: joint for joint in have if joint in joints}
         if not names:
-            raise one_of(file, joints[0] if joints else "", have, "joint")
+            raise no_such(file, have, joints)
         without = [joint for joint in joints if joint not in names]
         said = f"The log has no {', '.join(without)}." if without else ""
     fields: Fields = {

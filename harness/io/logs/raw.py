@@ -6,6 +6,7 @@ How columns of a robot's log are named: the words, and the shapes of names that 
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any, Literal
 
 from harness.core.apart import Found
@@ -145,8 +146,9 @@ class LogOptions(ReadOptions):
 
     joints : names in the model's order: they are chosen by name, and are the names where a log has none. topic : of a
     bag, or the episode of a data set. angle_unit : of positions that say none. names : of the log's joints, or of one
-    field of them ("elbow.effort"), the model's. flip : joints that turn the other way. offset : what is added to a
-    position, rad or m, by joint. join : here each file has a signal of all joints.
+    field of them ("elbow.effort"), the model's; a shape of both ("a_joint{i}": "b_joint{i}"), or "*": "*" for their
+    order. flip : joints that turn the other way. offset : what is added to a position, rad or m, by joint. join : here
+    each file has a signal of all joints. calibration : LeRobot's file, by which positions are shares of ranges.
     """
 
     joints: tuple[str, ...] | None = None
@@ -155,6 +157,7 @@ class LogOptions(ReadOptions):
     names: Mapping[str, str] = field(default_factory=dict)
     flip: tuple[str, ...] = ()
     offset: Mapping[str, float] = field(default_factory=dict)
+    calibration: Path | None = None
 
     def __post_init__(self) -> None:
         ReadOptions.__post_init__(self)
@@ -162,6 +165,8 @@ class LogOptions(ReadOptions):
             parse_unit("--angle-unit", "x", self.angle_unit)
         # a list comes from a program, or from the process beside
         object.__setattr__(self, "joints", None if self.joints is None else tuple(self.joints))
+        if self.calibration is not None and self.angle_unit is not None:
+            raise InputError("--angle-unit", "given with --calibration", "one of the two is accepted")
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from harness.core.robot.joint_log import JointLog
 from harness.io.logs import bags, lerobot
 from harness.io.logs.finish import Finished, Gain, finished
 from harness.io.logs.joined import joined
+from harness.io.logs.naming import renamed
 from harness.io.logs.raw import CHANNEL, SI_UNITS, Field, LogOptions, Raw, from_found, one_of
 from harness.io.logs.tables import raw_of, raw_of_file
 from harness.io.readers.binary import PARQUET
@@ -94,6 +95,7 @@ def _checked_source(path: Path, options: LogOptions, gain: Gain | None) -> Sourc
         source = replace(source, files=(path, *options.join))
     reader = reader_of(kind_of(path)) if source.kind == "table" else None
     unfit = {
+        "--calibration": (options.calibration and source.kind == "bag", "tables and LeRobot data sets"),
         "--topic": (options.topic and source.kind == "table", "bags and LeRobot data sets"),
         "--join": (options.join and (reader is None or not reader.text), "text tables alone"),
         "--columns": (options.columns and source.kind == "bag", "tables"),
@@ -122,7 +124,13 @@ def raw_of_source(source: Source, options: LogOptions) -> Raw:
         raw = raw_of(table, options)
         return replace(raw, notes=(*raw.notes, *table.mended))
     accepted = f"a whole {path.suffix or 'LeRobot'} file is accepted"
-    found = read_apart(f"{apart}:columns_of", path, accepted, seconds=source.seconds, options=asdict(options))
+    found = read_apart(
+        f"{apart}:columns_of",
+        path,
+        accepted,
+        seconds=source.seconds,
+        options=asdict(replace(options, calibration=None)),
+    )
     return from_found(*found)
 
 
@@ -140,8 +148,9 @@ def bag_topic(source: Source, topic: str, options: LogOptions) -> Raw:
     sets = [number for number, found in enumerate(about) if found["joints"]]
     if not sets:
         raise InputError(f"{source.path}: {topic}", "no joint in any message", "a topic with joint states is accepted")
+    # joints that --names renames count as wanted; those of no set are said when it is read
     wanted = set(options.joints or ())
-    chosen = max(sets, key=lambda number: (len(wanted & set(about[number]["joints"])), -number))
+    chosen = max(sets, key=lambda number: (len(wanted & _called(about[number]["joints"], options)), -number))
     mine = {k.partition(" ")[2]: v for k, v in columns.items() if k.partition(" ")[0] == str(chosen)}
     notes = list(about[chosen]["notes"])
     for number in sets:
@@ -151,6 +160,14 @@ def bag_topic(source: Source, topic: str, options: LogOptions) -> Raw:
     said = {"told": {}, "rows": "message", "numbered": about[chosen]["numbered"], "notes": notes}
     raw = from_found(mine, said)
     return raw if options.angle_unit is None else _turned(raw, options.angle_unit)
+
+
+def _called(joints: list[str], options: LogOptions) -> set[str]:
+    """What --names makes of joints, as far as it fits them."""
+    with suppress(InputError):
+        nothing: dict[str, FloatArray] = dict.fromkeys(joints, np.zeros(0))
+        return set(renamed(Raw(np.zeros(0), {"position": nothing}), options.names, options.joints).fields["position"])
+    return set(joints)
 
 
 def _of_bag(source: Source, options: LogOptions) -> Raw:

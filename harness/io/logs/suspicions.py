@@ -108,7 +108,8 @@ def degrees(position: Joints, told: str) -> str | None:
     largest = max(far.values())
     return (
         f"Positions of {called(list(far), len(position))} go to {largest:.4g}, {largest / (2.0 * np.pi):.2g} turns if "
-        "they are rad: degrees look so; --angle-unit deg reads them as such."
+        "they are rad: degrees look so; --angle-unit deg reads them as such. Shares of LeRobot's ranges, -100 to 100,"
+        " are read by --calibration FILE."
     )
 
 

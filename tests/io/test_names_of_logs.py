@@ -1,0 +1,76 @@
+"""Whose a log's joints are: names by pattern and order, in tables and bags; and shares of LeRobot's ranges."""
+
+import json
+from pathlib import Path
+
+import joint_logs
+import numpy as np
+import pytest
+
+import harness
+from harness.core.errors import InputError
+from harness.io.logs.read import read_joint_log
+
+FER = ("fer_joint1", "fer_joint2")
+PANDA = joint_logs.motion(joints=("panda_joint1", "panda_joint2"))
+
+
+@pytest.fixture(scope="module")
+def logs(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    """The same motion as a table and as a bag."""
+    folder = tmp_path_factory.mktemp("names")
+    table = joint_logs.csv(folder / "log.csv", {"t": PANDA.t, **PANDA.columns()})
+    return [table, joint_logs.bag2(folder / "bag", {"/joint_states": joint_logs.messages(PANDA)})]
+
+
+@pytest.mark.parametrize("names", [{"panda_joint{i}": "fer_joint{i}"}, {"*": "*"}])
+def test_joints_go_by_a_shape_of_names_and_by_order(logs: list[Path], names: dict[str, str]) -> None:
+    for log in logs:
+        found = read_joint_log(log, joints=FER, names=names)
+        assert found.joints == FER
+        assert found.position["fer_joint2"] == pytest.approx(PANDA.columns()["panda_joint2.position"])
+
+
+def test_a_refusal_has_the_names_that_read_the_log(logs: list[Path]) -> None:
+    with pytest.raises(InputError) as refused:
+        read_joint_log(logs[0], joints=FER)
+    shape, _, other = refused.value.accepted.split('"')[1].partition("=")
+    assert read_joint_log(logs[0], joints=FER, names={shape: other}).joints == FER
+    with pytest.raises(InputError, match=r'--names "\*=\*"'):
+        read_joint_log(logs[0], joints=("shoulder", "elbow"))
+    with pytest.raises(InputError, match="as many of both"):
+        read_joint_log(logs[0], joints=(*FER, "fer_joint3"), names={"*": "*"})
+
+
+def test_shares_of_ranges_become_angles(tmp_path: Path) -> None:
+    motion = joint_logs.motion(joints=("elbow_flex", "gripper"))
+    shares = {"elbow_flex": 80.0 * np.sin(motion.t), "gripper": 50.0 + 30.0 * np.sin(motion.t)}
+    columns = {f"{joint}.pos": y for joint, y in shares.items()}
+    log = joint_logs.csv(tmp_path / "log.csv", {"t": motion.t, **columns})
+    calibration = tmp_path / "arm.json"
+    ranges = {"elbow_flex": (1000, 3048), "gripper": (2000, 3024)}
+    told = {
+        name: {"id": i, "drive_mode": 0, "homing_offset": 0, "range_min": low, "range_max": high}
+        for i, (name, (low, high)) in enumerate(ranges.items())
+    }
+    calibration.write_text(json.dumps(told))
+    found = harness.load_log(log, calibration=calibration)
+    assert found.position["elbow_flex"] == pytest.approx(0.8 * 0.5 * np.pi * np.sin(motion.t), abs=1e-6)
+    assert found.position["gripper"] == pytest.approx(0.3 * 0.5 * np.pi * np.sin(motion.t), abs=1e-6)
+    calibration.write_text(json.dumps({"wrist": told["gripper"]}))
+    with pytest.raises(InputError, match=r"no elbow_flex, gripper, but wrist"):
+        harness.load_log(log, calibration=calibration)
+    calibration.write_text("[1, 2]")
+    with pytest.raises(InputError, match="range_min"):
+        harness.load_log(log, calibration=calibration)
+
+
+def test_the_same_of_a_data_set_with_its_goals(tmp_path: Path) -> None:
+    one = joint_logs.motion(joints=("elbow_flex",))
+    motion = joint_logs.Motion(one.t, {"elbow_flex": 100.0 * one.position["elbow_flex"]})
+    folder = joint_logs.lerobot(tmp_path / "set", [motion, motion])
+    calibration = tmp_path / "arm.json"
+    calibration.write_text(json.dumps({"elbow_flex": {"range_min": 1024, "range_max": 3072}}))
+    found = harness.load_log(folder, topic="1", calibration=calibration)
+    assert found.position["elbow_flex"] == pytest.approx(0.5 * np.pi * one.position["elbow_flex"])
+    assert found.goal["elbow_flex"] == pytest.approx(found.position["elbow_flex"] + 0.1 / 200.0 * np.pi)
