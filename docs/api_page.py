@@ -20,9 +20,16 @@ one of them is used. `harness.api` has them too, with the types of the results, 
 ([results](results.md)).
 
 Arrays you have already go into `Recording(t, {"x": x, "a": a})` (seconds, metres, metres per second squared). Bad input
-raises `harness.core.errors.InputError`, whose text is one line that says what would be accepted. Below, `File` is a
-path as text or as a `Path`; a `GivenModel` is a `Model`, one as a result holds it, its plain data, or the path of a
-model.json.
+raises `harness.core.errors.InputError`, whose text is one line that says what would be accepted.
+
+Every result prints itself: `print(result)` gives the verdict and the numbers, a notebook shows its page.
+`result.to_frame()` is a pandas.DataFrame; `result.plots` names the plots of the page, that which answers first, and
+`result.plot(name)` is one of them as a figure of plotly or, without that, of matplotlib; `result.curves` has the
+motions, each with `t`, `x`, `v`, `a` as arrays in SI units (`harness.run().curves["mujoco tuned"]["v"]`). Nothing is
+written unless `out` names a folder.
+
+Below, `File` is a path as text or as a `Path`; a `GivenModel` is a `Model`, one as a result holds it, its plain data,
+or the path of a model.json.
 
 """
 

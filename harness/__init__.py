@@ -14,18 +14,26 @@ if TYPE_CHECKING:
         Recording,
         change,
         compare,
+        compare_models,
         diagnose,
         diagnose_joint,
+        diagnose_servo,
         identify,
         load,
         load_log,
         log,
         motion,
         plan,
+        prove,
+        regress,
         run,
         run_joint,
         run_scene,
         simulate,
+        sweep,
+        tune,
+        verify_proof,
+        words,
     )
     from harness.core import __version__
 else:
@@ -47,21 +55,29 @@ __all__ = [
     "__version__",
     "change",
     "compare",
+    "compare_models",
     "diagnose",
     "diagnose_joint",
+    "diagnose_servo",
     "identify",
     "load",
     "load_log",
     "log",
     "motion",
     "plan",
+    "prove",
+    "regress",
     "run",
     "run_joint",
     "run_scene",
     "simulate",
     "stages",
+    "sweep",
+    "tune",
+    "verify_proof",
+    "words",
 ]
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return list(__all__)

@@ -7,7 +7,6 @@ reads it without options; nothing is written unless ``out`` names a folder.
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -22,10 +21,15 @@ from harness.results.common import ModelDocument, MotionResult
 from harness.results.compare import CompareResult
 from harness.results.diagnosis import DiagnosisResult
 from harness.results.identify import IdentifyResult
+from harness.results.models import ModelsResult
 from harness.results.plan import PlanResult
+from harness.results.prove import ProofCheck, ProofResult
 from harness.results.robot import LogResult
 from harness.results.run import JointRunResult, RunResult
 from harness.results.scene import SceneResult
+from harness.results.sweep import RegressResult, SweepResult, TuneResult
+from harness.results.words import WordsResult
+from harness.suites import File, kept, prove, regress, run, run_joint, run_scene, sweep, tune, verify_proof, words
 
 __all__ = [
     "CompareResult",
@@ -36,30 +40,44 @@ __all__ = [
     "LogResult",
     "Model",
     "ModelDocument",
+    "ModelsResult",
     "MotionResult",
     "PlanResult",
+    "ProofCheck",
+    "ProofResult",
     "Recording",
+    "RegressResult",
     "RunResult",
     "SceneResult",
+    "SweepResult",
     "Trajectory",
+    "TuneResult",
+    "WordsResult",
     "change",
     "compare",
+    "compare_models",
     "diagnose",
     "diagnose_joint",
+    "diagnose_servo",
     "identify",
     "load",
     "load_log",
     "log",
     "motion",
     "plan",
+    "prove",
+    "regress",
     "run",
     "run_joint",
     "run_scene",
     "simulate",
+    "sweep",
+    "tune",
+    "verify_proof",
+    "words",
 ]
 
-File: TypeAlias = str | PathLike[str]
-GivenModel: TypeAlias = Model | ModelDocument | Mapping[str, Any] | str | PathLike[str]
+GivenModel: TypeAlias = Model | ModelDocument | Mapping[str, Any] | File
 
 
 def load(
@@ -215,6 +233,29 @@ def change(
     return result_of(earlier, later, options) if out is None else deliver(earlier, later, options, Path(out))
 
 
+def compare_models(
+    recording: Recording | File,
+    models: Mapping[str, Sequence[str]],
+    *,
+    mass: float | None = None,
+    horizon: float | None = None,
+    restoring: str | None = None,
+    zero: str | None = None,
+) -> ModelsResult:
+    """Models of your choice fitted to one recording and ranked: chi-square, BIC, weight, a row each.
+
+    models : by name, the terms of the catalogue beside viscous and Coulomb friction: {"base": [], "drag":
+    ["quadratic-drag"]}. The rest as in ``diagnose``. Raises InputError for a term that there is not and for a recording
+    that cannot be used, SimulationError.
+    """
+    from harness.app.diagnose.models import compare_models as computed
+    from harness.app.diagnose.options import DiagnoseOptions
+    from harness.app.shared.reading import ReadOptions
+
+    options = DiagnoseOptions.chosen(ReadOptions(), restoring, zero, (), mass=mass, horizon=horizon)
+    return computed(_recording(recording), models, options)
+
+
 def simulate(model: GivenModel, t: ArrayLike) -> Trajectory:
     """The motion of a model in the compiled reference.
 
@@ -225,43 +266,6 @@ def simulate(model: GivenModel, t: ArrayLike) -> Trajectory:
     from harness.app.run.simulate import motion_of
 
     return motion_of(model, np.asarray(t, dtype=np.float64))
-
-
-def run(
-    scenario: str | None = None,
-    *,
-    model: GivenModel | None = None,
-    m: float | None = None,
-    c: float | None = None,
-    k: float | None = None,
-    f_k: float | None = None,
-    f_s: float | None = None,
-    x0: float | None = None,
-    v0: float | None = None,
-    duration: float | None = None,
-    engines: Sequence[str] | None = None,
-    preset: str | None = None,
-    dt: float | None = None,
-    restoring: str | None = None,
-    out: File | None = None,
-) -> RunResult:
-    """One scenario, or one model, in the exact reference and in engines, each as shipped and tuned, with estimators.
-
-    scenario : of the fidelity suite, None for "free-decay"; m (kg), c (N s/m), k (N/m), f_k, f_s (N), x0 (m), v0 (m/s)
-    and duration (s) take the place of its own. model : in place of a scenario, with ``duration`` alone. engines : ()
-    for the reference alone, None for MuJoCo and PyBullet. preset : "as-shipped" or "tuned", None for both. dt : step of
-    the tuned preset, s. restoring : "spring" or "pendulum", of a free decay. out : folder for result, report, trace and
-    models, as the command leaves them.
-
-    Raises InputError for values that are not accepted, StoreError when ``out`` cannot be written. An engine that cannot
-    complete its run has the reason in its trace's ``error``.
-    """
-    from harness.app.run.run import RunOptions, computed
-    from harness.app.run.run import run as deliver
-
-    given = {"m": m, "c": c, "k": k, "f_k": f_k, "f_s": f_s, "x0": x0, "v0": v0, "duration": duration}
-    options = RunOptions.asked(scenario, model, restoring, given, engines, preset, dt)
-    return computed(options)[0] if out is None else deliver(options, Path(out))
 
 
 def diagnose_joint(
@@ -318,56 +322,51 @@ def diagnose_joint(
     )
     assert asked is not None
     options = DiagnoseOptions.chosen(ReadOptions(rate=rate), engines=engines, robot=asked)
-    if out is not None:
-        return computed(Path(log), asked, options, Path(out))
-    with TemporaryDirectory(prefix="friction-harness-") as folder:
-        result = computed(Path(log), asked, options, Path(folder) / "joint")
-        # the page is kept, the folder goes
-        result = result.drawn(Path(result.files["report"]).read_text(encoding="utf-8"))
-        return result.model_copy(update={"files": {}})
+    return kept(out, "joint", lambda folder: computed(Path(log), asked, options, folder))
 
 
-def run_joint(
-    robot: File,
-    joint: str | None = None,
+def diagnose_servo(
+    logs: File | Sequence[File],
     *,
-    gravity: tuple[float, float, float] | None = None,
+    servo: str | None = None,
+    robot: File | None = None,
+    joint: str | None = None,
+    columns: str | None = None,
+    angle_unit: str | None = None,
+    names: Mapping[str, str] | None = None,
+    flip: Sequence[str] = (),
+    offset: Mapping[str, float] | None = None,
+    skip_rows: int = 0,
+    rate: float | None = None,
+    start: float | None = None,
+    stop: float | None = None,
+    drop_nan: bool = False,
     engines: Sequence[str] | None = None,
-    preset: str | None = None,
-    dt: float | None = None,
     out: File | None = None,
-) -> JointRunResult:
-    """What engines make of a joint of a robot's model as it is: creep, lead, the false damping of its servo.
+) -> DiagnosisResult:
+    """A joint under its servo, from logs of its goals and positions, as ``harness diagnose LOG --servo NAME`` does.
 
-    robot, joint, gravity, out : as in ``diagnose_joint``. engines, preset, dt : as in ``run``. Raises InputError,
-    StoreError.
+    logs : one, or several of one servo. servo : as --servo, "sts3215:16", a gain each where they differ. robot, joint,
+    angle_unit, names, flip, offset : as in ``diagnose_joint``; the last five of a robot's log alone. columns and the
+    rest : as in ``load_log``. engines, out : as in ``diagnose``. Raises InputError, SimulationError, StoreError.
     """
-    from harness.app.run.joint import JointRun
-    from harness.app.run.joint import run_joint as computed
+    from harness.app.diagnose.options import DiagnoseOptions, RobotOptions, ServoOptions
+    from harness.app.diagnose.servo import diagnose_servo as computed
+    from harness.app.shared.reading import ReadOptions
 
-    asked = JointRun(Path(robot), joint, gravity, tuple(engines or ()), () if preset is None else (preset,), dt)
-    if out is not None:
-        return computed(asked, Path(out))
-    with TemporaryDirectory(prefix="friction-harness-") as folder:
-        return computed(asked, Path(folder) / "joint").model_copy(update={"files": {}})
-
-
-def run_scene(
-    scene: File, body: str | None = None, *, duration: float | None = None, out: File | None = None
-) -> SceneResult:
-    """A body of a scene under its own options in MuJoCo: creep, lift and drift against dry friction, and what mends it.
-
-    scene : MJCF. body : None for the only free one. duration : s, of which the later half is measured; None for two.
-    out : as in ``run``. Raises InputError, StoreError.
-    """
-    from harness.app.run.scene import SceneRun
-    from harness.app.run.scene import run_scene as computed
-
-    asked = SceneRun(Path(scene), body, duration)
-    if out is not None:
-        return computed(asked, Path(out))
-    with TemporaryDirectory(prefix="friction-harness-") as folder:
-        return computed(asked, Path(folder) / "scene").model_copy(update={"files": {}})
+    files = [logs] if isinstance(logs, str | PathLike) else list(logs)
+    asked = RobotOptions.chosen(
+        None if robot is None else Path(robot),
+        joint=joint,
+        names=names or {},
+        flip=tuple(flip),
+        offset=offset or {},
+        angle_unit=angle_unit,
+    )
+    reading = ReadOptions(columns, skip_rows, rate, start, stop, drop_nan)
+    options = DiagnoseOptions.chosen(reading, engines=engines, robot=asked, servo=ServoOptions.chosen(servo))
+    named = [(Path(file), str(file)) for file in files]
+    return kept(out, "servo", lambda folder: computed(named, options, folder))
 
 
 def plan(
@@ -388,11 +387,7 @@ def plan(
     """
     from harness.app.plan import plan as computed
 
-    if out is not None:
-        return computed(Path(robot), joints, seconds, rate, speed, torque, Path(out))
-    with TemporaryDirectory(prefix="friction-harness-") as folder:
-        found = computed(Path(robot), joints, seconds, rate, speed, torque, Path(folder) / "plan")
-        return found.model_copy(update={"files": {}})
+    return kept(out, "plan", lambda folder: computed(Path(robot), joints, seconds, rate, speed, torque, folder))
 
 
 def log(

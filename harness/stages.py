@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.api import File, load
+from harness.api import load
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.problem import Prepared, prepared
 from harness.app.shared.reading import ReadOptions
@@ -20,6 +20,7 @@ from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.stages import Based, Found, Judged
+from harness.suites import File
 
 __all__ = [
     "Based",

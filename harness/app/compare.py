@@ -136,7 +136,11 @@ def result_of(
     first, second = (motion_of(found.t, channels, found.omega) for channels in (found.sim, found.real))
     both = {c: (found.sim[c], found.real[c]) for c in found.real}
     shown = Shown(found.t, both, ((first.x, first.v), (second.x, second.v)), names, real.angular)
-    return result.drawn(partial(compare_page, shown=shown)), shown
+    motions = {
+        name: {"t": found.t, "x": x, "v": v} | {c: pair[i] for c, pair in both.items()}
+        for i, (name, (x, v)) in enumerate(zip(names, shown.motion, strict=True))
+    }
+    return result.drawn(partial(compare_page, shown=shown), motions), shown
 
 
 def summary(result: CompareResult) -> tuple[str, list[tuple[str, list[str]]]]:

@@ -12,7 +12,7 @@ from harness.app.diagnose.files import motion_of
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.problem import Prepared, errors_of, prepared
 from harness.app.shared.estimates import NOTE, WHOLE, estimate, estimates_of
-from harness.app.shared.leaving import FILES, leave, leaving
+from harness.app.shared.leaving import FILES, curves_of, leave, leaving
 from harness.app.shared.machine import this_machine
 from harness.app.shared.over_amplitude import damping_of, write_damping
 from harness.app.shared.progress import SILENT, Progress
@@ -208,7 +208,7 @@ def result_of(
         machine=this_machine(),
         files=dict(files or {}),
     )
-    return result.drawn(partial(identify_page, recording=recording, fitted=motion)), motion
+    return _drawn(result, recording, motion), motion
 
 
 def _slowed(
@@ -252,4 +252,10 @@ def _slowed(
         machine=this_machine(),
         files=dict(files or {}),
     )
-    return result.drawn(partial(identify_page, recording=recording, fitted=motion)), motion
+    return _drawn(result, recording, motion), motion
+
+
+def _drawn(result: IdentifyResult, recording: Recording, motion: Trajectory | None) -> IdentifyResult:
+    """With its page and both motions."""
+    curves = curves_of({"recording": recording, **({} if motion is None else {"viscous and Coulomb": motion})})
+    return result.drawn(partial(identify_page, recording=recording, fitted=motion), curves)

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from harness.app.shared.deliver import write_text
+from harness.app.shared.leaving import curves_of
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.moves.classify import classify
@@ -54,7 +55,10 @@ def log(path: Path, options: LogOptions | None = None, gain: Gain | None = None,
             raise recording
         write_text(page, render(recording_page(recording)))
     shown = preview(recording) if isinstance(recording, Recording) else None
-    return LogResult(file=str(path.absolute()), topics=topics, recording=shown)
+    result = LogResult(file=str(path.absolute()), topics=topics, recording=shown)
+    if isinstance(recording, Recording):
+        return result.drawn(recording_page(recording), curves_of({"recording": recording}))
+    return result
 
 
 def motion(recording: Recording, restoring: str | None = None) -> MotionResult:

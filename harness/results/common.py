@@ -3,7 +3,8 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
-from typing import Annotated, Any, Literal, Self
+from types import FunctionType
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr, model_validator
@@ -35,34 +36,82 @@ class Result(BaseModel):
         own = {name: getattr(found, name) for name in cls.model_fields if name not in more and hasattr(found, name)}
         return cls.model_validate(own | more)
 
+    def __dir__(self) -> list[str]:
+        """What a result says and does, without what its base brings along."""
+        kinds = [kind for kind in type(self).__mro__ if issubclass(kind, Result)]
+        does = {name for kind in kinds for name, one in vars(kind).items() if isinstance(one, FunctionType | property)}
+        hidden = {"schema_", "drawn", "model_post_init"}
+        return sorted({*type(self).model_fields, *does} - hidden)
+
+
+Curves = Mapping[str, Mapping[str, np.ndarray]]
+"""Motions by name: t, x, v, a and what else there is of each, (n,), SI units."""
+
 
 @dataclass(slots=True)
 class Drawing:
-    """page : the page of a result as text, or what makes it of the result; no part of what the result says."""
+    """What a result is drawn from; no part of what it says, and not pickled with it.
 
-    page: Callable[[Any], Any] | str | None = field(default=None, compare=False, repr=False)
+    page : the page, or what makes it of the result. curves : the motions that are on it.
+    """
+
+    page: Any = field(default=None, compare=False, repr=False)
+    curves: Curves = field(default_factory=dict, compare=False, repr=False)
+
+    def __reduce__(self) -> tuple[type["Drawing"], tuple[()]]:
+        return Drawing, ()
 
 
 class Paged(Result):
-    """A result that a notebook shows as its page, and whose numbers are to be had as a table."""
+    """A result that prints itself, is a page in a notebook, and gives its numbers, plots and curves."""
+
+    LINES: ClassVar[str] = ""
+    """The field that holds its rows, where the numbers of a result are rows of a table."""
 
     _drawing: Drawing = PrivateAttr(default_factory=Drawing)
 
-    def drawn(self, page: Callable[[Any], Any] | str) -> Self:
-        """This result, shown in a notebook by ``page``: its text, or what makes the page of the result."""
-        self._drawing.page = page
+    def drawn(self, page: Any, curves: Curves | None = None) -> Self:
+        """This result with its page, or what makes that of the result, and the motions that are on it."""
+        self._drawing.page, self._drawing.curves = page, curves or {}
         return self
 
-    def _repr_html_(self) -> str | None:
-        text: str | None = import_module("harness.show.notebook").html(self)
+    def __str__(self) -> str:
+        """The verdict, and the numbers with their errors."""
+        text: str = import_module("harness.show.notebook").text(self)
+        return text
+
+    def __repr__(self) -> str:
+        return str(self)
+
+    def _repr_html_(self) -> str:
+        text: str = import_module("harness.show.notebook").html(self)
         return text
 
     def to_frame(self) -> Any:
-        """Every number with its error and unit as a pandas.DataFrame, indexed by part and quantity.
+        """Every number with its error and unit as a pandas.DataFrame, indexed by part and quantity; or the rows.
 
         Raises InputError where pandas is not installed.
         """
         return import_module("harness.show.notebook").frame(self)
+
+    @property
+    def curves(self) -> Curves:
+        """The motions by name, each with t, x, v, a as arrays (n,) in SI units; none of a result that was read."""
+        return self._drawing.curves
+
+    @property
+    def plots(self) -> list[str]:
+        """Names of the plots on the page, that which answers first."""
+        names: list[str] = import_module("harness.show.plotting").names(self)
+        return names
+
+    def plot(self, name: str | None = None, library: Literal["plotly", "matplotlib"] | None = None) -> Any:
+        """A plot of the page as a figure of plotly or matplotlib.
+
+        name : one of ``plots``, None for the first. library : None for plotly where it is installed, else matplotlib.
+        Raises InputError where there is no such plot, or neither library.
+        """
+        return import_module("harness.show.plotting").plot(self, name, library)
 
 
 Floats = Annotated[list[float], BeforeValidator(lambda y: y.tolist() if isinstance(y, np.ndarray) else y)]

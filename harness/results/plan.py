@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from harness.results.common import Machine, Result
+from harness.results.common import Machine, Paged, Result
 
 
 class PlannedJoint(Result):
@@ -19,7 +19,7 @@ class PlannedJoint(Result):
     better: list[float] = Field(description="errors of Coulomb and viscous friction, random motions over this one")
 
 
-class PlanResult(Result):
+class PlanResult(Paged):
     """harness plan."""
 
     schema_: Literal["harness.plan/1"] = Field(default="harness.plan/1", alias="schema")

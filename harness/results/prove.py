@@ -1,10 +1,10 @@
 """The result of a sealed blind proof: harness.proof/1."""
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from harness.results.common import Machine, Result
+from harness.results.common import Machine, Paged, Result
 
 
 class RateResult(Result):
@@ -116,8 +116,10 @@ class ProofSizes(Result):
     machines: int = Field(default=0, description="recordings of machines, half of them controls")
 
 
-class ProofResult(Result):
+class ProofResult(Paged):
     """harness prove."""
+
+    LINES: ClassVar[str] = "figures"
 
     schema_: Literal["harness.proof/1"] = Field(default="harness.proof/1", alias="schema")
     evidence: bool = Field(description="whether there are enough recordings for the figures to say anything")
@@ -141,7 +143,7 @@ class ProofResult(Result):
     files: dict[str, str] = Field(description="in the folder of the proof")
 
 
-class ProofCheck(Result):
+class ProofCheck(Paged):
     """harness prove --verify."""
 
     schema_: Literal["harness.proof-check/1"] = Field(default="harness.proof-check/1", alias="schema")

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field
 
-from harness.results.common import Floats, MotionResult, P, Result, Span, rare
+from harness.results.common import Floats, MotionResult, P, Paged, Result, Span, rare
 
 Pair = Annotated[list[str], Field(min_length=2, max_length=2)]
 
@@ -254,7 +254,7 @@ class PreviewResult(Result):
     notes: list[str] = Field(description="what was guessed, mended and left out, one sentence each")
 
 
-class LogResult(Result):
+class LogResult(Paged):
     """harness log."""
 
     schema_: Literal["harness.log/1"] = Field(default="harness.log/1", alias="schema")

@@ -5,7 +5,7 @@ from typing import Any, Literal, Self
 
 from pydantic import ConfigDict, Field
 
-from harness.results.common import Machine, P, Result, Settings
+from harness.results.common import Machine, P, Paged, Result, Settings
 from harness.results.robot import PasteResult, ReductionResult
 
 
@@ -61,8 +61,13 @@ class TraceResult(Result):
     estimates: dict[str, Estimates]
     error: str | None = Field(default=None, description="why this run could not be completed")
 
+    @property
+    def label(self) -> str:
+        """Source and preset, as tables and plots show them."""
+        return f"{self.source} {self.preset}".strip()
 
-class RunResult(Result):
+
+class RunResult(Paged):
     """harness run."""
 
     schema_: Literal["harness.run/1"] = Field(default="harness.run/1", alias="schema")
@@ -157,7 +162,7 @@ class AsItIsResult(Result):
     notes: list[str] = Field(default_factory=list)
 
 
-class JointRunResult(Result):
+class JointRunResult(Paged):
     """harness run --robot."""
 
     schema_: Literal["harness.joint/1"] = Field(default="harness.joint/1", alias="schema")

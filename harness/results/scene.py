@@ -1,10 +1,10 @@
 """Result of harness run --scene: harness.scene/1."""
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from harness.results.common import Machine, Result, Settings, rare
+from harness.results.common import Machine, Paged, Result, Settings, rare
 
 
 class SceneTouch(Result):
@@ -60,8 +60,10 @@ class SceneExpected(SceneMotion):
     rests: bool
 
 
-class SceneResult(SceneMotion):
+class SceneResult(SceneMotion, Paged):
     """harness run --scene: a body of the user's own file, stepped under its own options."""
+
+    LINES: ClassVar[str] = "tried"
 
     schema_: Literal["harness.scene/1"] = Field(default="harness.scene/1", alias="schema")
     file: str

@@ -1,10 +1,10 @@
 """Results of the fidelity suite: a sweep, baselines and what is compared with them, a search of settings."""
 
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
-from harness.results.common import Machine, Result, rare
+from harness.results.common import Machine, Paged, Result, rare
 
 
 class SweepRow(Result):
@@ -51,8 +51,10 @@ class Convergence(Result):
     spread: float = Field(description="largest factor between an error and the fitted line")
 
 
-class SweepResult(Result):
+class SweepResult(Paged):
     """harness sweep."""
+
+    LINES: ClassVar[str] = "rows"
 
     schema_: Literal["harness.sweep/1"] = Field(default="harness.sweep/1", alias="schema")
     machine: Machine
@@ -100,8 +102,10 @@ class Moved(Result):
     expected: str | None = rare("why the row is known to fail; then it is no regression")
 
 
-class RegressResult(Result):
+class RegressResult(Paged):
     """harness regress."""
+
+    LINES: ClassVar[str] = "moved"
 
     schema_: Literal["harness.regress/1"] = Field(default="harness.regress/1", alias="schema")
     baseline: str
@@ -135,8 +139,10 @@ class TunedJoint(Result):
     gravity: list[float] = Field(description="largest torque of gravity in each, N m; of a slide its force, N")
 
 
-class TuneResult(Result):
+class TuneResult(Paged):
     """harness tune."""
+
+    LINES: ClassVar[str] = "figures"
 
     schema_: Literal["harness.tune/1"] = Field(default="harness.tune/1", alias="schema")
     engine: str

@@ -1,6 +1,6 @@
 """What readers make of the words of a model's file: harness.words/1."""
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
@@ -55,6 +55,8 @@ class DefaultResult(Result):
 
 class WordsResult(Paged):
     """harness words."""
+
+    LINES: ClassVar[str] = "words"
 
     schema_: Literal["harness.words/1"] = Field(default="harness.words/1", alias="schema")
     file: str

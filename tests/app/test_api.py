@@ -24,7 +24,7 @@ HEAVY = ("numpy", "scipy", "numba", "pydantic", "mujoco", "pybullet", "rerun", "
 def test_importing_loads_nothing_until_a_name_is_used() -> None:
     program = (
         "import sys, harness\n"
-        "assert {'load', 'identify', 'compare', 'diagnose', 'simulate', 'run', 'Recording'} <= set(dir(harness))\n"
+        "assert dir(harness) == sorted(harness.__all__)\n"
         f"print(sorted(set({HEAVY!r}) & set(sys.modules)), [m for m in sys.modules if m.startswith('harness.')])\n"
         "from harness import Recording, simulate\n"
         "print(Recording.__module__)\n"
@@ -33,7 +33,9 @@ def test_importing_loads_nothing_until_a_name_is_used() -> None:
     assert (done.stdout, done.stderr) == ("[] []\nharness.core.recording\n", "")
 
 
-@pytest.mark.parametrize("name", ["identify", "compare", "diagnose", "log", "run"])
+@pytest.mark.parametrize(
+    "name", ["identify", "compare", "diagnose", "log", "run", "sweep", "regress", "tune", "prove", "words"]
+)
 def test_every_option_of_a_command_is_an_argument_with_its_default(name: str) -> None:
     context = Context(cli)
     command = cli.get_command(context, name)
@@ -61,8 +63,10 @@ def test_every_option_of_a_command_is_an_argument_with_its_default(name: str) ->
     }
     # of many recordings in one call: the library leaves the loop over them to its user
     elsewhere |= {"cluster", "conditions"}
-    # of a servo's log, which the terminal reads
+    # of a servo's log: diagnose_servo
     elsewhere |= {"servo"}
+    # a report of tests is the command's; a proof is verified by verify_proof
+    elsewhere |= {"junit_to", "github", "verify"}
     # of a scene: run_scene
     elsewhere |= {"scene", "body"}
     # of two conditions: change; the page of what log has read is for people
@@ -117,7 +121,22 @@ def test_identify_and_compare_take_what_is_in_memory(decay: harness.Recording, t
     moved = harness.Recording(decay.t, {name: 1.2 * values for name, values in decay.channels.items()})
     compared = harness.compare(decay, moved)
     assert compared.verdict == "different"
-    assert "<iframe" in (compared._repr_html_() or "")
+    assert "<iframe" in compared._repr_html_()
+    assert set(compared.curves) == {"sim", "real"}
+    assert set(found.curves["recording"]) == {"t", "x", "a"}
+
+
+def test_models_are_ranked_by_what_they_leave(decay: harness.Recording) -> None:
+    found = harness.compare_models(decay, {"drag": ["quadratic-drag"], "base": [], "softer": ["cubic-stiffness"]})
+    base = next(one for one in found.models if one.name == "base")
+    assert base.parameters["x_k"].value == pytest.approx(0.03, rel=0.05)
+    assert base.chi2_per_point == pytest.approx(1.0, abs=0.1)
+    # nothing is missing: no law is decisively better than none
+    assert base.delta_bic < 10.0
+    assert sum(one.weight for one in found.models) == pytest.approx(1.0)
+    assert found.plots == ["residual-x", "residual-a"]
+    with pytest.raises(InputError, match="quadratic-drag"):
+        harness.compare_models(decay, {"typo": ["quadratic-drg"]})
 
 
 def test_a_model_has_no_motion_before_its_beginning() -> None:
@@ -160,6 +179,8 @@ def test_run_is_the_command(tmp_path: Path) -> None:
     both = harness.run(f_k=2.0, duration=0.5, engines=["mujoco"], preset="tuned", dt=2e-3)
     assert [trace.dt_s for trace in both.traces] == [None, 2e-3]
     assert both.files == {}
+    assert set(both.curves) == {"reference exact", "mujoco tuned"}
+    assert [both.curves["mujoco tuned"][name].shape for name in "txva"] == [(251,)] * 4
     model = harness.run(model=harness.Model(1.0, 1.0, 100.0, 3.0, x0=1.0), duration=0.5, engines=())
     assert model.scenario["model"]["base"]["f_k"] == 3.0
     with pytest.raises(InputError, match="--model: given with the scenario belt"):

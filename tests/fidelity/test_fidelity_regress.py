@@ -11,6 +11,7 @@ from click.testing import CliRunner
 from jsonschema import Draft202012Validator
 from lxml import etree
 
+import harness
 from harness.app.sweep import ci
 from harness.app.sweep import regress as room
 from harness.app.sweep.report import keep_worst, recomputed
@@ -164,7 +165,7 @@ def traces(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_stored_traces_give_every_metric_bitwise_again(traces: Path) -> None:
-    result = room.compared_traces(traces, None)
+    result = harness.regress(traces=traces)
     assert (result.rows, result.moved) == (2, [])
     row, before = recomputed(sorted(traces.glob("*.rrd"))[0])
     assert row["metrics"] == before

@@ -19,6 +19,7 @@ from dask_cluster import two_workers
 from jsonschema import Draft202012Validator
 from killing import stopped
 
+import harness
 from harness.app.shared.pool import Cluster, LocalPool
 from harness.app.shared.rows import completed
 from harness.app.sweep import sweep as room
@@ -65,6 +66,15 @@ def test_json_is_streamed_and_obeys_the_schema(swept: room.Sweep) -> None:
     Draft202012Validator(schema).validate(data)
     assert len(data["rows"]) == swept.total
     SweepResult.model_validate(data)
+
+
+def test_a_program_gets_rows_and_page_and_no_folder() -> None:
+    found = harness.sweep(engines=["mujoco"], routes=["joint"], presets=["tuned"], steps=[1e-2], jobs=1)
+    assert {row.preset for row in found.rows} == {"tuned"}
+    assert all(row.error is None for row in found.rows)
+    assert found.files == {}
+    assert found.plots
+    assert "<iframe" in found._repr_html_()
 
 
 def test_nothing_is_computed_again(swept: room.Sweep) -> None:

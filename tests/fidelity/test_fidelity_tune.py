@@ -9,7 +9,7 @@ import mujoco
 import pytest
 from jsonschema import Draft202012Validator
 
-from harness.app.sweep.tune import tune
+import harness
 from harness.engines import registry
 from harness.fidelity import tune as room
 from harness.fidelity.paste import paste
@@ -61,7 +61,7 @@ def test_what_costs_too_much_is_not_chosen(monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_result_obeys_its_schema_and_says_what_to_paste(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(room, "STARTS", 1)
-    result = tune("mujoco", "law", 2e-3)
+    result = harness.tune("mujoco", route="law", dt=2e-3)
     data = json.loads(result.model_dump_json(by_alias=True))
     Draft202012Validator(json.loads(schema_text("harness.tune/1", TuneResult))).validate(data)
     assert result.changed == {"integrator": "RK4"}

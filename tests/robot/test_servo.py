@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+import harness
 from harness.cli.main import run as command
 from harness.core.arrays import FloatArray
 from harness.results.diagnosis import DiagnosisResult
@@ -49,11 +50,16 @@ def logged(seed: int, seconds: float = 24.0, rate: float = 50.0) -> Log:
     return Log(t, seen, goal)
 
 
-def run(folder: Path, *words: str) -> DiagnosisResult:
-    """What the command leaves of a log of ``logged``."""
+def log_in(folder: Path) -> Path:
     one = logged(1)
     table = np.column_stack((one.t, one.goal, one.q))
     np.savetxt(folder / "log.csv", table, "%.9g", ",", header="t,elbow.goal,elbow.position", comments="")
+    return folder / "log.csv"
+
+
+def run(folder: Path, *words: str) -> DiagnosisResult:
+    """What the command leaves of a log of ``logged``."""
+    log_in(folder)
     assert command(["diagnose", str(folder / "log.csv"), "--out", str(folder / "out"), "--quiet", *words]) == 0
     assert (folder / "out" / "report.html").is_file()
     return DiagnosisResult.model_validate_json((folder / "out" / "result.json").read_text(encoding="utf-8"))
@@ -80,7 +86,10 @@ def test_a_servo_s_numbers_come_from_goal_and_position_and_engines_move_so(tmp_p
 
 
 def test_goal_and_position_alone_are_understood_and_all_is_a_ratio_to_the_inertia(tmp_path: Path) -> None:
-    robot = run(tmp_path).robot
+    result = harness.diagnose_servo(log_in(tmp_path))
+    assert result.plot(library="matplotlib").axes
+    assert len(result.curves[str(tmp_path / "log.csv")]["x"]) == len(logged(1).t)
+    robot = result.robot
     assert robot is not None
     assert robot.servo is not None
     assert robot.servo.scale == "inertia"

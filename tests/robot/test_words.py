@@ -7,6 +7,7 @@ import jsonschema
 import mujoco
 import pytest
 
+import harness
 from harness.app.words import words
 from harness.cli.main import run
 from harness.core.errors import InputError
@@ -243,6 +244,7 @@ def test_the_command_says_it_and_ends_by_what_it_found(tmp_path: Path, capfd: py
     wrong.write_text(right.read_text().replace("<dynamics", "<joint_properties"))
     assert run(["words", str(right)]) == 0
     assert "none is wrong" in capfd.readouterr().out
+    assert str(harness.words(right)).startswith(harness.words(right).statement)
     assert run(["words", str(right), "--engine", "mujoco", "--out", str(tmp_path / "out")]) == 0
     assert (tmp_path / "out" / "report.html").exists()
     result = json.loads((tmp_path / "out" / "result.json").read_text())

@@ -2,10 +2,10 @@
 
 import pickle
 import sys
-from html import unescape
+from html import escape, unescape
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, Literal
 
 import pytest
 
@@ -19,17 +19,46 @@ from harness.show.report.page import render
 def test_a_result_shows_its_page_from_memory_or_from_its_file(
     identify_result: IdentifyResult, recording: Recording, tmp_path: Path
 ) -> None:
-    assert identify_result._repr_html_() is None
+    alone = identify_result.model_copy(deep=True)
+    assert alone._repr_html_() == f"<pre>{escape(str(alone))}</pre>"
+    assert "estimates.acceleration.x_k = " in str(alone)
     page = identify_page(identify_result, recording)
     drawn = identify_result.model_copy(deep=True).drawn(lambda result: identify_page(result, recording))
     shown = drawn._repr_html_()
-    assert shown is not None
     assert unescape(shown.partition('srcdoc="')[2].partition('" style')[0]) == render(page)
     assert drawn == identify_result
     report = tmp_path / "report.html"
     report.write_text(render(page), encoding="utf-8")
     written = pickle.loads(pickle.dumps(identify_result.model_copy(update={"files": {"report": str(report)}})))
     assert written._repr_html_() == shown
+
+
+@pytest.mark.parametrize("library", ["plotly", "matplotlib"])
+def test_every_plot_of_the_page_is_drawn_by_either_library(
+    library: Literal["plotly", "matplotlib"], identify_result: IdentifyResult, recording: Recording
+) -> None:
+    result = identify_result.model_copy(deep=True).drawn(identify_page(identify_result, recording))
+    assert {"channel-x", "reversals-x_k"} <= set(result.plots)
+    for name in result.plots:
+        drawn = result.plot(name, library)
+        if library == "plotly":
+            lines, label = [line.x for line in drawn.data], drawn.layout.yaxis.title.text
+        else:
+            (plane,) = drawn.axes
+            lines, label = [line.get_xdata() for line in plane.lines] + plane.collections, plane.get_ylabel()
+            drawn.draw_without_rendering()
+        assert lines
+        assert label
+    with pytest.raises(InputError, match="channel-x"):
+        result.plot("channel-y")
+    with pytest.raises(InputError, match="read from a file"):
+        pickle.loads(pickle.dumps(result)).plot()
+
+
+def test_what_is_completed_is_what_a_result_says_and_does(identify_result: IdentifyResult) -> None:
+    offered = {name for name in dir(identify_result) if not name.startswith("_")}
+    assert offered >= {"estimates", "warnings", "plot", "plots", "curves", "to_frame"}
+    assert not any(name.startswith(("model_", "parse", "schema")) for name in offered)
 
 
 def test_numbers_with_errors_and_units_are_a_table(

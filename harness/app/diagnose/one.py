@@ -107,7 +107,7 @@ def answer(given: Recording | Sequence[Recording], options: DiagnoseOptions) -> 
     with tempfile.TemporaryDirectory(prefix="friction-harness-") as folder, journal(Path(folder) / LOG):
         found = investigate(given, options)
         page = partial(diagnosis_page, recording=found.recording, simulated=found.simulated)
-        return found.result.drawn(page)
+        return found.result.drawn(page, found.curves)
 
 
 def _write(output: OutputFolder, found: Diagnosed, progress: Progress, finish: Finish) -> DiagnosisResult:
@@ -134,5 +134,5 @@ def _write(output: OutputFolder, found: Diagnosed, progress: Progress, finish: F
     }
     result = found.result.model_copy(update=more)
     seen = (result, found.recording, found.simulated, found.shown)
-    leave(output, result, diagnosis_page(*seen), diagnosis_scene(*seen))
+    leave(output, result, diagnosis_page(*seen), diagnosis_scene(*seen), found.curves)
     return result

@@ -9,6 +9,7 @@ from typing import Any
 from harness.app.diagnose.attribution import Configured, Shared, attribution_of, simulator_of
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.problem import Prepared, Validation, validated
+from harness.app.shared.leaving import curves_of
 from harness.app.shared.machine import this_machine
 from harness.app.shared.reading import recording_info
 from harness.core.arrays import FloatArray
@@ -28,7 +29,7 @@ from harness.diagnosis.outcome import Mechanism, Outcome, Prediction, Surface, T
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.tables.describe import gauge_of
 from harness.model.document import to_document
-from harness.results.common import MotionResult, Where
+from harness.results.common import Curves, MotionResult, Where
 from harness.results.compare import ChannelPair
 from harness.results.diagnosis import (
     DiagnosisResult,
@@ -42,6 +43,7 @@ from harness.results.diagnosis import (
     SurfaceResult,
     TableResult,
 )
+from harness.show.report.diagnosis_figures import YOUR_SIMULATION, model_names, yours
 from harness.show.stored import Shown
 
 STEPS = 4
@@ -65,6 +67,13 @@ class Diagnosed:
     simulated: tuple[Trajectory, ...]
     result: DiagnosisResult
     shown: Shown | None = None
+
+    @property
+    def curves(self) -> Curves:
+        """The recording, and the motion of each model."""
+        own = yours(self.simulated)
+        models = dict(zip(model_names(self.result), self.simulated, strict=False))
+        return curves_of({"recording": self.recording, **models, **({} if own is None else {YOUR_SIMULATION: own})})
 
 
 def result_of(

@@ -110,7 +110,11 @@ def diagnose_servo(
         fits = servo.sayable, servo.best
         shown = [(run.t, run.goal, run.q, _shown(fits[0], run), _shown(fits[1], run)) for run in case.runs]
         engines = [one for _, one in simulated if one is not None]
-        leave(output, result, servo_page(result, shown, [(one.engine, one.q) for one in engines]))
+        curves = {
+            log.file: dict(zip(("t", "goal", "x", "x before", "x after"), columns, strict=True))
+            for log, columns in zip(case.logs, shown, strict=True)
+        }
+        leave(output, result, servo_page(result, shown, [(one.engine, one.q) for one in engines]), curves=curves)
     return result
 
 

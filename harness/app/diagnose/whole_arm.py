@@ -73,7 +73,9 @@ def diagnose_arm(case: JointCase) -> DiagnosisResult:
         shown, simulated = case.tried(pastes, left, [one.offset.value or 0.0 for one in told])
         result = with_forward_run(result, simulated)
         _write_left(output / FILES["residual_torque"], {one.joint: left[one.joint][:, :5] for one in told})
-        leave(output, result, arm_page(result, shown), arm_scene(result, shown))
+        columns = ("t", "q", "v", "before", "after")
+        curves = {name: dict(zip(columns, own.T, strict=False)) for name, own in left.items()}
+        leave(output, result, arm_page(result, shown), arm_scene(result, shown), curves)
     return result
 
 

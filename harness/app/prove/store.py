@@ -178,12 +178,13 @@ def finish(store: Store, ledger: Ledger, command: str = "", progress: Progress =
     entries = [
         {"step": entry["step"], "hash": entry["hash"], "at": entry["content"].get("at", "")} for entry in ledger.entries
     ]
-    write_report(store.folder / PAGE, proof_page(result, list(KINDS), entries))
+    page = proof_page(result, list(KINDS), entries)
+    write_report(store.folder / PAGE, page)
     files = {name: digest((store.folder / name).read_bytes()) for name in (RESULT, PAGE, *packed)}
     ledger.add(PUBLISHED, {"files": files})
     ledger.save(store.folder)
     store.finish()
-    return result
+    return result.drawn(page)
 
 
 def all_verdicts(folder: Path, ledger: Ledger) -> dict[str, dict[str, bytes]]:

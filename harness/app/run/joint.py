@@ -7,7 +7,7 @@ from pathlib import Path
 
 from harness.app.run.joint_servo import itself_in, servo_scores
 from harness.app.run.joint_words import conclusions
-from harness.app.shared.leaving import FILES, leave, leaving
+from harness.app.shared.leaving import FILES, curves_of, leave, leaving
 from harness.app.shared.machine import this_machine
 from harness.app.shared.parts import only_joint, reduction_of
 from harness.app.shared.progress import SILENT, Progress
@@ -134,8 +134,15 @@ def run_joint(
         result = result.model_copy(update={"files": {name: output.at(file) for name, file in named.items()}})
         held = [one.held for one in motions if one.held is not None]
         swings = [one.swing for one in motions if one.swing is not None]
+        curves = curves_of(
+            {
+                f"{kind}, {one.source.label}": one
+                for kind, those in (("held", held), ("swings", swings))
+                for one in those
+            }
+        )
         robot = moved(asked.file, arm, joint, swings[0] if swings else None)
-        leave(output, result, joint_page(result, held, swings), joint_scene(result, held, swings, robot))
+        leave(output, result, joint_page(result, held, swings), joint_scene(result, held, swings, robot), curves)
     return result
 
 

@@ -5,6 +5,7 @@ import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from os import PathLike
 from pathlib import Path
 
@@ -13,7 +14,7 @@ import numpy as np
 from harness.app.run.case import Case, ModelScenario, case_of
 from harness.app.run.simulate import Given, model_of
 from harness.app.shared.estimates import estimates_of
-from harness.app.shared.leaving import FILES, leave, leaving
+from harness.app.shared.leaving import FILES, curves_of, leave, leaving
 from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import SILENT, Progress
 from harness.core import __version__
@@ -190,7 +191,8 @@ def computed(
         machine=this_machine(),
         files=dict(files or {}),
     )
-    return result, trajectories
+    curves = curves_of({one.source.label: one for one in trajectories})
+    return result.drawn(partial(run_page, trajectories=trajectories), curves), trajectories
 
 
 def _reference(options: RunOptions, case: Case) -> Trajectory:
@@ -242,8 +244,9 @@ def summary(result: RunResult) -> tuple[str, tuple[str, ...], Lines]:
 
 
 def _line(trace: TraceResult, figures: Callable[[TraceResult], list[str]]) -> list[str]:
-    label = f"{trace.source} {trace.preset}"
-    return [label, "failed"] if trace.error is not None else [label, _number(trace.dt_s, 1e3), *figures(trace)]
+    return (
+        [trace.label, "failed"] if trace.error is not None else [trace.label, _number(trace.dt_s, 1e3), *figures(trace)]
+    )
 
 
 def _decay(trace: TraceResult) -> list[str]:

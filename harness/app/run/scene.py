@@ -9,7 +9,7 @@ from typing import Any, cast
 import numpy as np
 
 from harness.app.run.scene_words import conclusions
-from harness.app.shared.leaving import FILES, leave, leaving
+from harness.app.shared.leaving import FILES, curves_of, leave, leaving
 from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import SILENT, Progress
 from harness.core.checks import positive
@@ -61,7 +61,8 @@ def run_scene(asked: SceneRun, out: Path | None = None, progress: Progress = SIL
         files = {name: output.at(file) for name, file in named.items()}
         result = _result(asked, found, command, files)
         motions = _motions(found)
-        leave(output, result, own_scene_page(result, motions), own_scene_scene(result, motions))
+        curves = curves_of({one.source.name: one for one in motions})
+        leave(output, result, own_scene_page(result, motions), own_scene_scene(result, motions), curves)
     return result
 
 

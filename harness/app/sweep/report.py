@@ -29,16 +29,18 @@ BRIEF = ("position", "x_k wide", "x_k narrow", "zeta", "creep 97 %", "belt perio
 """Figures of the table in the terminal."""
 
 
-def finish(result: Sweep, options: SweepOptions, progress: Progress = SILENT) -> None:
-    """Write traces/, result.json and report.html into the folder; raises StoreError."""
+def finish(result: Sweep, options: SweepOptions, progress: Progress = SILENT) -> Page:
+    """Write traces/, result.json and report.html into the folder; returns the page. Raises StoreError."""
     kept = keep_worst(result, options, progress)
     progress("writing result.json and report.html", result.total, result.total)
-    write_page(result, kept)
+    page = _page(result, kept)
+    write_report(result.folder / PAGE, page)
     write_text(result.folder / RESULT, result.json())
+    return page
 
 
-def write_page(result: Sweep, kept: dict[str, str]) -> None:
-    """The page; kept : names of trace files by the name of their row."""
+def _page(result: Sweep, kept: dict[str, str]) -> Page:
+    """kept : names of trace files by the name of their row."""
     rows = [row for row in result.rows() if not row["draw"]]
     by_name = {row["name"]: row for row in rows}
     worst = []
@@ -52,7 +54,7 @@ def write_page(result: Sweep, kept: dict[str, str]) -> None:
         *sweep_sections(rows, result.convergence(), worst, result.notes),
         made_with(result.machine, {"rows": "rows", "result": "result.json"}, result.command),
     ]
-    write_report(result.folder / PAGE, Page("What engine settings do to Coulomb friction", subtitle, sections))
+    return Page("What engine settings do to Coulomb friction", subtitle, sections)
 
 
 def summary(result: Sweep) -> tuple[tuple[str, ...], list[list[str]]]:

@@ -51,7 +51,7 @@ def run_page(result: RunResult, trajectories: Sequence[Trajectory]) -> b.Page:
     """trajectories : the first is the reference, in the order of those traces of the result that have no error."""
     scenario = result.scenario
     traces = [trace for trace in result.traces if not trace.error]
-    failed = [f"{_label(trace)} could not be run: {trace.error}" for trace in result.traces if trace.error]
+    failed = [f"{trace.label} could not be run: {trace.error}" for trace in result.traces if trace.error]
     palette = ["var(--ink)", *colors([trajectory.source for trajectory in trajectories])[1:]]
     decays = scenario.get("action") is None
     units = units_of(scenario)
@@ -61,7 +61,7 @@ def run_page(result: RunResult, trajectories: Sequence[Trajectory]) -> b.Page:
         sections.append(reversal_section(trajectories, units))
     sections.append(motion_section(trajectories, units))
     if result.conclusions:
-        sections.append(b.verdict("", result.conclusions, [_label(trace) for trace in traces], "Engine by engine"))
+        sections.append(b.verdict("", result.conclusions, [trace.label for trace in traces], "Engine by engine"))
     sections.append(_scorecard(traces, scenario, palette))
     if decays:
         sections.append(_estimates(traces, scenario, palette))
@@ -91,10 +91,6 @@ def _subtitle(result: RunResult, traces: Sequence[TraceResult]) -> str:
     of = "" if thing in name else f" of a {thing}"
     about = f"{name}: a {thing} {what_acts}" if what_acts else f"{name}{of}"
     return f"{about}, {values}: {engines or 'reference only'}"
-
-
-def _label(trace: TraceResult) -> str:
-    return f"{trace.source} {trace.preset}".strip()
 
 
 def headline(traces: Sequence[TraceResult], units: MotionUnits = SLIDES) -> str:
@@ -134,7 +130,7 @@ def _scorecard(traces: Sequence[TraceResult], scenario: Mapping[str, Any], palet
         cells = [_metric(scenario, metric, metrics.get(metric), found[0].get(metric)) for metric in shown]
         cells.append(b.Cell(number(None if trace.wall_s is None else trace.wall_s * 1e3, 3)))
         step = without_step(scenario) if trace.dt_s is None else f"step {trace.dt_s * 1e3:.4g} ms"
-        rows.append(b.Row(_label(trace), cells, f"{trace.version}, {step}".lstrip(", "), color))
+        rows.append(b.Row(trace.label, cells, f"{trace.version}, {step}".lstrip(", "), color))
     caption = (
         "Colours run from green (as good as exact) to red (off by more than 5 % of the start, the friction "
         "displacement x_k or the period, whichever the figure belongs to). A dash: there is no such figure."
@@ -200,9 +196,7 @@ def _estimates(traces: Sequence[TraceResult], scenario: Mapping[str, Any], palet
     for name, label in QUANTITIES.items():
         truth, reasons = true_values(scenario).get(name), b.Reasons(letter)
         rows = [
-            b.Row(
-                _label(trace), [estimated(trace.estimates.get(m), name, truth, reasons) for m in methods], color=color
-            )
+            b.Row(trace.label, [estimated(trace.estimates.get(m), name, truth, reasons) for m in methods], color=color)
             for trace, color in zip(traces, palette, strict=True)
         ]
         unit = next((quantity(p_of(one, name))[2] for trace in traces for one in trace.estimates.values()), "")
@@ -260,7 +254,7 @@ def _sources(traces: Sequence[TraceResult], palette: Sequence[str], exact: str) 
     for trace, color in zip(traces, palette, strict=True):
         step = f"{exact}, no step" if trace.dt_s is None else f"step {trace.dt_s * 1e3:.6g} ms"
         line = f"version {trace.version}, {step}" if trace.version else step
-        cards.append(b.Card(_label(trace), color, line, trace.ignored, settings_of(trace.settings)))
+        cards.append(b.Card(trace.label, color, line, trace.ignored, settings_of(trace.settings)))
     blocks: list[b.Block] = [b.Cards(cards)]
     return b.Section("Engines, settings, and what is ignored", blocks)
 
