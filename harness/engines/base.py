@@ -161,8 +161,9 @@ class Engine(ABC):
 
     name : as in the entry point. package : what is installed of it, whose version it has. routes : those the engine
     has; the others are refused with a SimulationError. bodies : whether it has bodies with six freedoms, on the contact
-    route. native : kinds of elements that its joint has words for; a term made of those needs no law. place : name of
-    the environment it runs in, empty for that of this process.
+    route. native : kinds of elements that its joint has words for; a term made of those needs no law. calls : whether
+    something can be called within its steps, as force laws and a pendulum are. place : name of the environment it runs
+    in, empty for that of this process.
     """
 
     name: ClassVar[str]
@@ -170,6 +171,7 @@ class Engine(ABC):
     routes: ClassVar[tuple[Route, ...]] = ROUTES
     bodies: ClassVar[bool] = False
     native: ClassVar[Kinds] = frozenset()
+    calls: ClassVar[bool] = True
     place: ClassVar[str] = ""
 
     def version(self) -> str:
@@ -211,6 +213,8 @@ def resolve(engine: Engine, task: Task) -> dict[str, Any]:
         raise SimulationError(f"{engine.name}: no bodies with six freedoms on the {task.route} route")
     if task.words is not None and (not engine.native or task.route != "joint"):
         raise SimulationError(f"{engine.name}: its joint has no words for polynomials on the {task.route} route")
+    if not engine.calls and (task.law is not None or task.restoring == "pendulum"):
+        raise SimulationError(f"{engine.name}: no force laws and no pendulum: nothing can be called within its steps")
     settings = engine.presets(task.route, task.preset, task.dt)
     for name, value in task.settings.items():
         where = f"{engine.name} setting {name}"

@@ -162,6 +162,22 @@ _NEWTON = (
     Variant("tuned", "tuned", (FINE,)),
 )
 
+GPU = "gpu"
+"""As shipped on a GPU; these rows are made where somebody asks for them by name."""
+_MJX_JOINT = (
+    _SHIPPED,
+    Variant("as-shipped", "as-shipped", (OWN, FINE), _fixed(precision=64)),
+    Variant("stiff", "as-shipped", (FINE,), _stiff_joint("implicitfast")),
+    _TUNED,
+    Variant("tuned", "tuned", (FINE,), _fixed(precision=32)),
+    *(Variant(GPU, "as-shipped", (OWN,), _fixed(device="gpu", precision=bits)) for bits in (32, 64)),
+)
+_MJX_CONTACT = (
+    _SHIPPED_ALONE,
+    Variant("elliptic", "as-shipped", (FINE,), _fixed(cone="elliptic", impratio=100.0)),
+    Variant("tuned", "tuned", (FINE,)),
+)
+
 TRAINED = "trained"
 """Settings as policies are trained with: few iterations of the solver and of its line search."""
 EFFORTS = ((100, 50), (100, 8), (4, 8), (4, 20), (4, 30), (4, 50), (1, 50), (1, 30), (1, 4), (1, 1))
@@ -177,6 +193,12 @@ def _efforts(more: Callable[[float], Settings], chosen: tuple[tuple[int, int], .
 
 def _with(more: Callable[[float], Settings], **settings: Any) -> Variant:
     return Variant(TRAINED, "as-shipped", (MIDDLE,), lambda dt: {**more(dt), **settings})
+
+
+def _rounded(more: Callable[[float], Settings], chosen: tuple[tuple[int, int], ...]) -> Iterator[Variant]:
+    """Efforts in single and in double precision."""
+    for bits in (32, 64):
+        yield from _efforts(lambda dt, bits=bits: {**more(dt), "precision": bits}, chosen)  # type: ignore[misc]
 
 
 _HARD_CONE = _fixed(cone="elliptic", impratio=100.0)
@@ -196,6 +218,11 @@ _EFFORT: dict[tuple[str, Route], tuple[Variant, ...]] = {
         *_efforts(_fixed(cone="elliptic"), _SHORTER),
         *(_with(_HARD_CONE, tolerance=value) for value in (1e-5, 0.0)),
     ),
+    # each effort is compiled for itself
+    ("mjx", "joint"): tuple(
+        _rounded(_stiff_joint("Euler"), ((100, 50), (4, 8), (4, 20), (4, 30), (4, 50), (1, 50), (1, 4)))
+    ),
+    ("mjx", "contact"): tuple(_rounded(_HARD_CONE, ((100, 50), (4, 8), (4, 50), (1, 50)))),
 }
 """Engines whose effort can be set."""
 _BODIES: dict[str, tuple[Variant, ...]] = {
@@ -224,6 +251,9 @@ _TABLE: dict[tuple[str, Route], tuple[Variant, ...]] = {
     ("drake", "law"): (_SHIPPED_ALONE, _TUNED),
     ("newton", "joint"): _NEWTON,
     ("newton", "law"): (_SHIPPED_ALONE, Variant("tuned", "tuned", (COARSE,))),
+    ("mjx", "joint"): _MJX_JOINT,
+    ("mjx", "law"): (_SHIPPED_ALONE, Variant("tuned", "tuned", (FINE,))),
+    ("mjx", "contact"): _MJX_CONTACT,
     ("mujoco", "joint"): _MUJOCO_JOINT,
     ("mujoco", "law"): _MUJOCO_LAW,
     ("mujoco", "contact"): _MUJOCO_CONTACT,
@@ -283,7 +313,7 @@ class Matrix:
     def _of(self, name: str, engine: Engine, route: Route, draw: int) -> Iterator[Spec]:
         version, place, sliders = engine.version(), engine.place, drawn(draw) if draw else OWN_SLIDERS
         for variant, scenarios in self._parts(engine, route, sliders):
-            if self.presets and variant.name not in self.presets:
+            if variant.name not in self.presets if self.presets else variant.name == GPU:
                 continue
             for dt in self._steps(variant):
                 # what depends on the step is never asked for at a step that is not known

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from engine_cases import JOINTED, OFF_FLOOR, TABLE, decay, engine
+from engine_cases import CALLING, INSTALLED, JOINTED, OFF_FLOOR, TABLE, decay, engine
 from scipy.integrate import solve_ivp
 
 from harness.core.arrays import FloatArray
@@ -19,7 +19,7 @@ from harness.engines.base import Drive, ForceLaw, Task
 from harness.exact.decay import free_decay
 
 FREE = Slider(1.0, 1.0, 100.0, 0.0)
-STEPPED = [(name, route) for name, route in OFF_FLOOR if name != "mujoco"]
+STEPPED = [(name, route) for name, route in CALLING if name != "mujoco"]
 
 
 def _drag(t: float, x: float, v: float, state: FloatArray, params: FloatArray) -> float:
@@ -80,7 +80,7 @@ def test_a_law_in_a_stepped_engine_is_second_order(name: str, route: str) -> Non
     assert np.abs(trace.x - exact).max() < 1e-4
 
 
-@pytest.mark.parametrize(("name", "route"), OFF_FLOOR)
+@pytest.mark.parametrize(("name", "route"), CALLING)
 def test_a_level_of_friction_follows_its_curve(name: str, route: str) -> None:
     slider, params = Slider(1.0, 1.0, 100.0, 3.0, 5.0), np.array([3.0, 5.0, 0.3])
     law = ForceLaw(level=stribeck, params=params)
@@ -98,7 +98,7 @@ def test_a_level_of_friction_follows_its_curve(name: str, route: str) -> None:
     assert trace.extra["friction_force"][fast] == pytest.approx(expected, rel=0.02)
 
 
-@pytest.mark.parametrize(("name", "route"), OFF_FLOOR)
+@pytest.mark.parametrize(("name", "route"), CALLING)
 def test_an_internal_state_moves_once_a_step(name: str, route: str) -> None:
     tolerance = 5e-5 if name == "mujoco" else 1e-3
     k_m, tau = 40.0, 0.05
@@ -137,7 +137,7 @@ def test_a_knock_makes_the_speed_jump_by_impulse_over_mass_wherever_it_falls(nam
         assert np.abs(trace.x[late] - exact.x).max() < 5e-4 * np.abs(exact.x).max()
 
 
-@pytest.mark.parametrize(("name", "route"), OFF_FLOOR)
+@pytest.mark.parametrize(("name", "route"), CALLING)
 def test_a_pendulum_swings_as_one(name: str, route: str) -> None:
     tolerance = 1e-6 if name == "mujoco" else 1e-3
     trace = engine(name).simulate(Task(decay(FREE, 2.0, 2.0), route, "tuned", 1e-3, restoring="pendulum"))  # type: ignore[arg-type]
@@ -182,6 +182,15 @@ def test_a_level_that_depends_on_the_state_is_refused_by_mujocos_contact() -> No
     law = ForceLaw(level=stribeck, params=np.array([3.0, 5.0, 0.3]))
     with pytest.raises(SimulationError, match="on the contact route the level of friction is a constant coefficient"):
         engine("mujoco").simulate(Task(decay(PAPER, 0.1), "contact", law=law))
+
+
+def test_an_engine_within_whose_steps_nothing_can_be_called_says_so() -> None:
+    law = ForceLaw(drag, params=np.array([0.4, 60.0]))
+    for name in {*INSTALLED} - {name for name, _ in CALLING}:
+        more: dict[str, Any]
+        for more in ({"law": law}, {"restoring": "pendulum"}):
+            with pytest.raises(SimulationError, match=f"{name}: no force laws and no pendulum"):
+                engine(name).simulate(Task(decay(FREE), engine(name).routes[0], **more))
 
 
 def test_laws_and_drives_are_checked_where_they_are_made() -> None:

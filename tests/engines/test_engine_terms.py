@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from engine_cases import JOINTED, engine
+from engine_cases import CALLING, engine
 
 from harness.core.errors import SimulationError
 from harness.engines.base import Drive
@@ -16,6 +16,7 @@ from harness.model.term import Slot, Term
 
 BASE = Model(1.0, 1.0, 100.0, 2.0, x0=1.0)
 
+JOINTED = [name for name, route in CALLING if route == "joint"]
 ACTING = [term for term in TERMS if term.slot is not Slot.OBSERVATION]
 
 

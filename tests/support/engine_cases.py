@@ -19,7 +19,10 @@ TABLE = [(name, route) for name in INSTALLED for route in registry.load(name).ro
 """Every route of every one of them."""
 
 OFF_FLOOR = [(name, route) for name, route in TABLE if route != "contact"]
-"""Without the contact: fast sliders with much friction, pendulums, force laws."""
+"""Without the contact: fast sliders with much friction."""
+
+CALLING = [(name, route) for name, route in OFF_FLOOR if registry.load(name).calls]
+"""Those within whose steps something can be called: pendulums, force laws."""
 
 JOINTED = tuple(name for name, route in TABLE if route == "joint")
 """Engines whose joints have dry friction."""

@@ -126,6 +126,11 @@ def compile_model(task: Task, settings: dict[str, Any], limit: float) -> Any:
 
 
 def _compiled(task: Task, settings: dict[str, Any], limit: float) -> Any:
+    return spec_of(task, settings, limit).compile()
+
+
+def spec_of(task: Task, settings: dict[str, Any], limit: float) -> Any:
+    """The MjSpec of a task, which is the caller's own."""
     contact = task.route == "contact"
     slider = task.scenario.slider
     spec = models.mjcf(slider, "slider_on_floor" if contact else "slider", task.restoring)
@@ -165,7 +170,7 @@ def _compiled(task: Task, settings: dict[str, Any], limit: float) -> Any:
         slide.frictionloss = limit if task.route == "joint" else 0.0
         slide.solref_friction = settings["solreffriction"]
         slide.solimp_friction = settings["solimpfriction"]
-    return spec.compile()
+    return spec
 
 
 def _say(spec: Any, slide: Any, words: JointWords) -> None:

@@ -1,0 +1,169 @@
+"""Runs in MJX: a scan over the steps, compiled once for all sliders, steps and lengths of a structure."""
+
+import logging
+import time
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from harness.core.errors import SimulationError
+from harness.core.jit import cache_folder
+from harness.core.quiet import quiet
+from harness.engines.base import Route
+from harness.engines.joint_words import GRAVITY
+from harness.engines.mujoco.held import Held, Recorded
+from harness.engines.samples import UNSATURATED
+
+log = logging.getLogger("harness.engines.mjx")
+
+with quiet(log):  # it prints what it does without
+    import jax
+    from jax import numpy as jnp
+    from mujoco import mjx
+
+if jax.config.jax_compilation_cache_dir is None:
+    jax.config.update("jax_compilation_cache_dir", str(cache_folder() / "jax"))
+
+BLOCK = 256
+"""Steps of a scan, whose length is compiled into it: a longer run is several, and what is too much is cut off."""
+SINGLE_STICKS = 1.0 - 1e-5
+"""UNSATURATED in single precision."""
+NEARLY_NONE = 1e-9
+"""Friction of a joint that slides without, over that at which it breaks away."""
+_COMPILED_IN = ("integrator", "solver", "iterations", "ls_iterations", "cone", "precision", "device")
+_OPTIONS = ("timestep", "tolerance", "impratio")
+_OF_MODEL = (
+    "body_mass",
+    "body_subtreemass",
+    "body_inertia",
+    "body_invweight0",
+    "jnt_stiffness",
+    "dof_damping",
+    "dof_frictionloss",
+    "dof_invweight0",
+    "dof_M0",
+    "dof_solref",
+    "dof_solimp",
+    "pair_friction",
+    "pair_solref",
+    "pair_solimp",
+    "pair_solreffriction",
+)
+"""Arrays in which the models of two sliders, or of two settings, differ."""
+
+_programs: dict[tuple[Any, ...], Callable[..., Any]] = {}
+"""By what is compiled in."""
+
+
+def structure(held: Held, settings: dict[str, Any]) -> tuple[Any, ...]:
+    """What is compiled in: runs of one structure differ in numbers alone."""
+    return held.task.route, held.rubs, *(settings[name] for name in _COMPILED_IN)
+
+
+def sticks_below(settings: dict[str, Any]) -> float:
+    """Share of its limit below which friction sticks."""
+    return UNSATURATED if settings["precision"] == 64 else SINGLE_STICKS
+
+
+def run(tasks: Sequence[tuple[Held, dict[str, Any]]]) -> tuple[list[Recorded], float]:
+    """Tasks of one structure, with their settings, at once: what each recorded, and the wall time of all, s.
+
+    Compilation is not counted. Raises SimulationError for a device that is not here.
+    """
+    (first, settings), count = tasks[0], len(tasks)
+    blocks = -(-max(held.push.size for held, _ in tasks) // BLOCK)
+    pushes = np.zeros((count, blocks * BLOCK))
+    for row, (held, _) in zip(pushes, tasks, strict=True):
+        row[: held.push.size] = held.push
+    try:
+        device = jax.devices(settings["device"])[0]
+    except RuntimeError:
+        raise SimulationError(f"mjx: no {settings['device']} that jax can use") from None
+    with quiet(log), jax.enable_x64(settings["precision"] == 64), jax.default_device(device):
+        numbers, state = jax.tree.map(lambda *one: jnp.asarray(np.stack(one)), *(_numbers(*task) for task in tasks))
+        parts = [jnp.asarray(part) for part in np.split(pushes, blocks, axis=1)]
+        compiled_in = (*structure(first, settings), count)
+        if compiled_in not in _programs:
+            made = _program(mjx.put_model(first.model, device), first, settings, count)
+            _programs[compiled_in] = jax.jit(made).lower(numbers, state, parts[0]).compile()
+        program, found = _programs[compiled_in], []
+        started = time.perf_counter()
+        for part in parts:
+            state, out = program(numbers, state, part)
+            found.append(out)
+        arrays = np.concatenate([np.asarray(out, dtype=np.float64) for out in found], axis=-1)
+        wall = time.perf_counter() - started
+    return [Recorded(*one[:, : held.push.size]) for one, (held, _) in zip(arrays, tasks, strict=True)], wall
+
+
+def _numbers(held: Held, settings: dict[str, Any]) -> tuple[dict[str, Any], tuple[Any, ...]]:
+    """What a program is given besides its structure, and the state at the start."""
+    model, slider = held.model, held.task.scenario.slider
+    spring = held.task.restoring == "spring"
+    numbers = {
+        "model": {name: np.array(getattr(model, name)) for name in _OF_MODEL},
+        "options": {name: np.array(getattr(model.opt, name)) for name in _OPTIONS},
+        # a joint whose friction goes to 0 is locked
+        "f_k": np.array(max(slider.f_k, NEARLY_NONE * slider.break_away)),
+        "f_s": np.array(slider.break_away),
+        "weight": np.array(slider.m * GRAVITY),
+        "spring": np.array([slider.k if spring else 0.0, slider.c]),
+        # what stops the joint in a step
+        "metric": np.array(slider.m / settings["dt"] + (0.0 if settings["integrator"] == "RK4" else slider.c)),
+    }
+    return numbers, (held.q, held.speed, np.zeros(model.nv), np.array(held.stuck))
+
+
+def _program(mx: Any, first: Held, settings: dict[str, Any], count: int) -> Callable[..., Any]:
+    """From numbers, state and pushes (count, BLOCK) to state and records (count, 7, BLOCK), see Recorded."""
+    route: Route = first.task.route
+    stages, rubs, sticks = settings["integrator"] == "RK4", first.rubs, sticks_below(settings)
+    empty = mjx.make_data(mx)
+    zero, nowhere = jnp.zeros(()), jnp.zeros(mx.nv)
+
+    def limited(m: Any, limit: Any, weight: Any) -> Any:
+        """The model with this limit of friction."""
+        if rubs:
+            return m.replace(dof_frictionloss=m.dof_frictionloss.at[0].set(limit))
+        if route == "contact":
+            return m.replace(pair_friction=m.pair_friction.at[0, :2].set(limit / weight))
+        return m
+
+    def one(numbers: dict[str, Any], state: tuple[Any, ...], pushes: Any) -> Any:
+        model = mx.replace(**numbers["model"], opt=mx.opt.replace(**numbers["options"]))
+        (k, c), weight = numbers["spring"], numbers["weight"]
+
+        def step(carried: Any, push: Any) -> Any:
+            d, stuck = carried
+            limit = jnp.where(stuck, numbers["f_s"], numbers["f_k"])
+            m, q, speed = limited(model, limit, weight), d.qpos, d.qvel
+            friction = zero
+            if route == "law":
+                others = push - k * q[0] - c * speed[0]
+                friction = jnp.clip(numbers["metric"] * speed[0] + others, -limit, limit)
+            d = d.replace(qfrc_applied=nowhere.at[0].set(push - friction))
+            # after the stages data are those of the last one
+            before = d
+            d = mjx.step(m, d)
+            seen = mjx.forward(m, before) if stages else d
+            if route != "law":
+                friction = -seen.qfrc_constraint[0]
+            normal = seen.qfrc_constraint[1] if route == "contact" else weight
+            height = q[1] if route == "contact" else zero
+            stuck = jnp.abs(friction) < sticks * limit * normal / weight
+            return (d, stuck), jnp.stack([q[0], speed[0], seen.qacc[0], friction, limit, height, normal])
+
+        q, speed, warm, stuck = state
+        begun = empty.replace(qpos=q, qvel=speed, qacc_warmstart=warm)
+        (d, stuck), records = jax.lax.scan(step, (begun, stuck), pushes)
+        return (d.qpos, d.qvel, d.qacc_warmstart, stuck), records.T
+
+    if count > 1:
+        return jax.vmap(one)  # type: ignore[no-any-return]
+
+    def alone(*given: Any) -> Any:
+        # a batch of one would take both ways at every branch
+        return jax.tree.map(lambda array: array[None], one(*jax.tree.map(lambda array: array[0], given)))
+
+    return alone

@@ -1,0 +1,160 @@
+"""MJX: MuJoCo's motion in double precision, what it drops without a word, and what a cut line search leaves in it.
+
+Run where the extra mjx is installed; every structure of a run costs a compilation.
+"""
+
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+from engine_cases import INSTALLED, decay, engine, stiff
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError, SimulationError
+from harness.core.scenario import Belt, Harmonic, Scenario
+from harness.core.slider import Slider
+from harness.engines.base import Task
+from harness.fidelity.laws import line_search_creep
+from harness.fidelity.matrix import GPU, TRAINED, Matrix
+from harness.fidelity.scenarios.slid import MIDDLE
+
+pytestmark = pytest.mark.skipif("mjx" not in INSTALLED, reason="mjx is not installed")
+
+STEP = 2e-3
+SCENARIOS = {
+    "decay": decay(duration=2.0),
+    "belt": Scenario("belt", Slider(1.0, 0.2, 100.0, 3.0, 4.0), 0.0, 0.1, 1.0, Belt(0.1)),
+    "harmonic": Scenario("harmonic", Slider(1.0, 0.0, 100.0, 3.0), 0.0, 0.0, 1.0, Harmonic(10.0, 8.0)),
+}
+
+
+@pytest.mark.parametrize(("precision", "slack"), [(64, 1e-13), (32, 1e-5)])
+@pytest.mark.parametrize("scenario", SCENARIOS.values(), ids=SCENARIOS)
+def test_as_shipped_it_moves_as_mujoco_to_the_rounding_of_its_numbers(
+    scenario: Scenario, precision: int, slack: float
+) -> None:
+    own = engine("mjx").simulate(Task(scenario, "joint", "as-shipped", settings={"precision": precision}))
+    of_c = engine("mujoco").simulate(Task(scenario, "joint", "as-shipped"))
+    assert np.abs(own.x - of_c.x).max() < slack
+    assert np.abs(own.v - of_c.v).max() < 20.0 * slack
+    assert any("single" in line for line in own.source.ignored) == (precision == 32)
+
+
+def test_a_device_or_a_setting_that_it_has_not_is_refused() -> None:
+    for chosen, message in (
+        ({"noslip_iterations": 10}, "unknown; one of"),
+        ({"integrator": "implicit"}, "one of Euler, RK4, implicitfast is accepted"),
+        ({"integrator": "discrete"}, "one of Euler, RK4, implicitfast is accepted"),
+        ({"solver": "PGS"}, "one of CG, Newton is accepted"),
+        ({"precision": 16}, "32 or 64 is accepted"),
+        ({"device": "tpu"}, "one of cpu, gpu is accepted"),
+    ):
+        with pytest.raises(InputError, match=message):
+            engine("mjx").simulate(Task(decay(duration=0.1), "joint", settings=chosen))
+    import jax
+
+    if jax.default_backend() == "cpu":
+        with pytest.raises(SimulationError, match="no gpu that jax can use"):
+            engine("mjx").simulate(Task(decay(duration=0.1), "joint", settings={"device": "gpu"}))
+
+
+DROPPED = {
+    "damping": ('damping="1 2 0"', "", 'damping="1"', ""),
+    "stiffness": ('stiffness="10 0 500"', "", 'stiffness="10"', ""),
+    "springyield": ('stiffness="100" springyield="0.01"', "", 'stiffness="100"', ""),
+    "motor_damping": ("", 'damping="3"', "", ""),
+    "motor_armature": ("", 'armature="2"', "", ""),
+}
+"""Words of a joint and of its motor, and what is left of them."""
+
+
+def _scene(words: bool, noslip: int) -> Any:
+    bodies, motors = "", ""
+    for name, (joint, motor, left, left_motor) in DROPPED.items():
+        said, driven = (joint, motor) if words else (left, left_motor)
+        body = f'<joint name="{name}" type="slide" axis="1 0 0" {said}/><geom size="0.1" mass="1"/>'
+        bodies += f"<body>{body}</body>"
+        motors += f'<motor joint="{name}" {driven}/>'
+    rubbing = '<joint name="noslip" type="slide" axis="1 0 0" frictionloss="3"/><geom size="0.1" mass="1"/>'
+    option = f'<option timestep="0.002" noslip_iterations="{noslip}"><flag contact="disable"/></option>'
+    return mujoco.MjModel.from_xml_string(
+        f"<mujoco>{option}<worldbody>{bodies}<body>{rubbing}</body></worldbody><actuator>{motors}</actuator></mujoco>"
+    )
+
+
+def _pushed(model: Any) -> FloatArray:
+    """Positions after 200 steps under 1.5 N, from 0.3 m/s but for the joint that is held."""
+    data = mujoco.MjData(model)
+    data.qfrc_applied[:], data.qvel[:-1] = 1.5, 0.3
+    for _ in range(200):
+        mujoco.mj_step(model, data)
+    return np.array(data.qpos)
+
+
+@pytest.fixture(scope="module")
+def moved() -> Any:
+    """The same in MJX, by a friction of the last joint: (model, friction) -> positions."""
+    import jax
+    from jax import numpy as jnp
+    from mujoco import mjx
+
+    with jax.enable_x64(True):
+        model = mjx.put_model(_scene(words=True, noslip=50))
+        start = mjx.make_data(model)
+
+        def run(friction: Any) -> Any:
+            m = model.replace(dof_frictionloss=model.dof_frictionloss.at[-1].set(friction))
+            pushed = jnp.full(model.nv, 1.5)
+            d = start.replace(qfrc_applied=pushed, qvel=jnp.full(model.nv, 0.3).at[-1].set(0.0))
+            return jax.lax.fori_loop(0, 200, lambda _, d: mjx.step(m, d), d).qpos
+
+        compiled = jax.jit(run)
+        yield lambda friction: np.asarray(compiled(friction))
+
+
+def test_it_drops_polynomials_yield_noslip_and_what_a_motor_adds_without_a_word(moved: Any) -> None:
+    with_words, without = _pushed(_scene(words=True, noslip=50)), _pushed(_scene(words=False, noslip=0))
+    assert np.all(np.abs(with_words - without) > 1e-5)
+    # the solver stops at a tolerance of 1e-8
+    assert moved(3.0) == pytest.approx(without, abs=1e-10)
+
+
+def test_it_locks_a_joint_whose_friction_becomes_nothing_at_run_time(moved: Any) -> None:
+    assert abs(moved(0.0)[-1]) < 1e-3
+    assert moved(1e-9)[-1] == pytest.approx(0.5 * 1.5 * 0.4**2, rel=0.01)
+
+
+def creep(slider: Slider, speed: float, iterations: int, ls_iterations: int, precision: int) -> float:
+    """m/s, after a slide, as tests/fidelity/test_effort.py has it of MuJoCo."""
+    effort = {"iterations": iterations, "ls_iterations": ls_iterations, "precision": precision}
+    scenario = MIDDLE.slide(slider, speed)
+    trace = engine("mjx").simulate(Task(scenario, "joint", "as-shipped", STEP, effort | stiff(STEP)))
+    found = MIDDLE.measure(trace, scenario)["creep_m_s"]
+    assert found is not None
+    return abs(found)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("precision", [32, 64])
+@settings(max_examples=6, deadline=None, derandomize=True)
+@given(m=st.floats(0.1, 10.0), f=st.floats(0.3, 30.0), steps=st.floats(20.0, 120.0))
+def test_the_search_that_is_recommended_is_as_good_as_full_effort(
+    precision: int, m: float, f: float, steps: float
+) -> None:
+    slider = Slider(m, 0.0, 1e-3 * f, f)
+    speed = steps * 0.5 * f / m * STEP
+    full = creep(slider, speed, 100, 50, precision)
+    assert creep(slider, speed, 1, 50, precision) <= 1.01 * full + line_search_creep(m, f, STEP, 30)
+
+
+def test_rows_of_a_gpu_are_made_where_they_are_asked_for_alone() -> None:
+    engines = {"mjx": engine("mjx")}
+    assert not [spec for spec in Matrix().specs(engines) if spec.preset == GPU]
+    asked = list(Matrix(presets=(GPU,)).specs(engines))
+    assert asked
+    assert all(dict(spec.changed)["device"] == "gpu" and "device=gpu" in spec.name for spec in asked)
+    trained = {dict(spec.changed)["precision"] for spec in Matrix(presets=(TRAINED,)).specs(engines)}
+    assert trained == {32, 64}
