@@ -15,9 +15,10 @@ from harness.core.bounded import MOST_BYTES, check_file, check_size
 from harness.core.checks import finite
 from harness.core.errors import InputError
 from harness.core.robot.joint_log import JointLog
-from harness.io.logs import bags, lerobot
+from harness.io.logs import bags, lerobot, plain
 from harness.io.logs.finish import Finished, Gain, finished
 from harness.io.logs.joined import joined
+from harness.io.logs.messages import is_plain
 from harness.io.logs.naming import renamed
 from harness.io.logs.raw import CHANNEL, SI_UNITS, Field, LogOptions, Raw, from_found, one_of
 from harness.io.logs.tables import raw_of, raw_of_file
@@ -29,7 +30,7 @@ from harness.io.units import parse_unit
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """What a path is. kind : bag, lerobot or table. files : those that are read."""
+    """What a path is. kind : bag, mcap (one that is no bag), lerobot or table. files : those that are read."""
 
     path: Path
     kind: str
@@ -51,7 +52,9 @@ class Source:
 
 
 def source_of(path: Path) -> Source:
-    """What a path is, without opening more than its folder. Raises InputError for what is no log."""
+    """What a path is, by its folder and the first bytes of an .mcap. Raises InputError for what is no log."""
+    if is_plain(path):
+        return Source(path, "mcap", (path,))
     if found := bags.storages(path):
         return Source(path, "bag", tuple(found))
     if path.is_dir() and lerobot.root_of(path) == path:
@@ -113,6 +116,8 @@ def raw_of_source(source: Source, options: LogOptions) -> Raw:
     path = source.path
     if source.kind == "bag":
         return _of_bag(source, options)
+    if source.kind == "mcap":
+        return plain.chosen(path, options)
     reader = reader_of(kind_of(path))
     apart = "harness.io.logs.lerobot" if source.kind == "lerobot" else "harness.io.logs.tables"
     if source.kind == "table" and (reader is None or reader.text):
@@ -240,6 +245,8 @@ def describe_log(path: Path, options: LogOptions, gain: Gain | None = None) -> l
         source = _checked_source(path, options, gain)
         if source.kind == "bag":
             return list(_bag(source, options, gain))
+        if source.kind == "mcap":
+            return list(_messages(source, options, gain))
         if source.kind == "lerobot":
             return list(_data_set(source, options, gain))
         return [_looked(path.name, "table", raw_of_source(source, options), str(path), options, gain)]
@@ -259,6 +266,15 @@ def _bag(source: Source, options: LogOptions, gain: Gain | None) -> Iterator[Top
             yield TopicInfo(name, kind, count, notes=(f"It cannot be read: {error}.",))
             continue
         yield _looked(name, kind, raw, str(source.path), options, gain)
+
+
+def _messages(source: Source, options: LogOptions, gain: Gain | None) -> Iterator[TopicInfo]:
+    for name, kind, count, names in plain.topics(source.path):
+        if options.topic is None and not plain.positioned(names):
+            yield TopicInfo(name, kind, count)
+        elif options.topic is None or name.lstrip("/") == options.topic.lstrip("/"):
+            raw = plain.of_topic(source.path, name, options)
+            yield _looked(name, kind, raw, str(source.path), options, gain)
 
 
 def _data_set(source: Source, options: LogOptions, gain: Gain | None) -> Iterator[TopicInfo]:
