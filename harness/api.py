@@ -27,13 +27,14 @@ from harness.results.prove import ProofCheck, ProofResult
 from harness.results.robot import LogResult
 from harness.results.run import JointRunResult, RunResult
 from harness.results.scene import SceneResult
-from harness.results.sweep import RegressResult, SweepResult, TuneResult
+from harness.results.sweep import DiffResult, RegressResult, SweepResult, TuneResult
 from harness.results.words import WordsResult
-from harness.suites import File, kept, prove, regress, run, run_joint, run_scene, sweep, tune, verify_proof, words
+from harness.suites import File, diff, kept, prove, regress, run, run_joint, run_scene, sweep, tune, verify_proof, words
 
 __all__ = [
     "CompareResult",
     "DiagnosisResult",
+    "DiffResult",
     "IdentifyResult",
     "JointLog",
     "JointRunResult",
@@ -59,6 +60,7 @@ __all__ = [
     "diagnose",
     "diagnose_joint",
     "diagnose_servo",
+    "diff",
     "identify",
     "load",
     "load_log",

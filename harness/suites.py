@@ -1,4 +1,4 @@
-"""What the commands of the engines' side do, for programs: run, sweep, regress, tune, words, prove."""
+"""What the commands of the engines' side do, for programs: run, sweep, regress, diff, tune, words, prove."""
 
 from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
@@ -12,7 +12,7 @@ from harness.results.common import ModelDocument, Paged
 from harness.results.prove import ProofCheck, ProofResult
 from harness.results.run import JointRunResult, RunResult
 from harness.results.scene import SceneResult
-from harness.results.sweep import RegressResult, SweepResult, TuneResult
+from harness.results.sweep import DiffResult, RegressResult, SweepResult, TuneResult
 from harness.results.words import WordsResult
 
 File: TypeAlias = str | PathLike[str]
@@ -181,6 +181,34 @@ def regress(
     if update:
         room.update(Path(baseline), rows, some=any(patterns.values()))
     return room.compared(Path(baseline), rows, options)
+
+
+def diff(
+    a: File,
+    b: File,
+    *,
+    baseline: File | None = None,
+    routes: Sequence[Route] | None = None,
+    only: Sequence[str] | None = None,
+    skip: Sequence[str] | None = None,
+    xfail: Sequence[str] | None = None,
+    short: bool = False,
+    jobs: int | None = None,
+    out: File | None = None,
+) -> DiffResult:
+    """What moved from one engine, version, interpreter or sweep to another, beyond the tolerance of its metric.
+
+    a, b : "NAME", "NAME@VERSION", "NAME@PYTHON", or the folder or result.json of a sweep. baseline : has the rows of
+    NAME@VERSION. out : folder for result and page. The rest as in ``regress``. Raises InputError for what is none of
+    these, StoreError.
+    """
+    from harness.app.sweep.diff import diff as computed
+    from harness.app.sweep.sweep import SweepOptions
+
+    patterns: dict[str, Any] = {"only": tuple(only or ()), "skip": tuple(skip or ()), "xfail": tuple(xfail or ())}
+    options = SweepOptions((), tuple(routes or ()), short=short, jobs=jobs, **patterns)
+    held = None if baseline is None else Path(baseline)
+    return kept(out, "diff", lambda folder: computed(str(a), str(b), options, held, folder))
 
 
 def tune(

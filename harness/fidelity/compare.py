@@ -21,9 +21,9 @@ class Tolerance:
     origin: str
     steps: float = 0.0
 
-    def allows(self, before: float, after: float, dt: float | None) -> bool:
-        """Whether a metric that was ``before`` may be ``after`` at a step of ``dt`` (s)."""
-        return abs(after - before) <= self.relative * abs(before) + self.absolute + self.steps * (dt or 0.0)
+    def allowed(self, before: float, dt: float | None) -> float:
+        """By how much a metric that was ``before`` may move at a step of ``dt`` (s)."""
+        return self.relative * abs(before) + self.absolute + self.steps * (dt or 0.0)
 
 
 _LAST_BITS = "smooth in the motion; differences of 1e-12 at reversals grow to less than this"
@@ -105,21 +105,23 @@ def moves(name: str, before: Row | None, after: Row | None) -> Iterator[Moved]:
         for metric in dict.fromkeys([*before["metrics"], *after["metrics"]]):
             old, new = before["metrics"].get(metric), after["metrics"].get(metric)
             if found := _judged(metric, old, new, after):
-                yield Moved(name=name, metric=metric, before=old, after=new, verdict=found[0], why=found[1])
+                verdict, why, times = found
+                yield Moved(name=name, metric=metric, before=old, after=new, verdict=verdict, why=why, times=times)
 
 
-def _judged(metric: str, old: float | None, new: float | None, after: Row) -> tuple[Verdict, str] | None:
-    """What a metric that moved is, and why: the tolerance with its origin."""
+def _judged(metric: str, old: float | None, new: float | None, after: Row) -> tuple[Verdict, str, float | None] | None:
+    """What a metric that moved is, and why: the tolerance with its origin; by how many times that."""
     limit = TOLERANCES.get(metric, DEFAULT)
     if old is None or new is None:
-        return None if old is new else ("lost" if new is None else "gained", limit.origin)
-    if limit.allows(old, new, after["dt_s"]):
+        return None if old is new else ("lost" if new is None else "gained", limit.origin, None)
+    change, most = abs(new - old), limit.allowed(old, after["dt_s"])
+    if change <= most:
         return None
     # an exact value makes "worse" mean farther from it; errors and creep are measured from 0
     truth = float(after["exact"].get(metric, 0.0))
     steps = f" + {limit.steps:g} steps" if limit.steps else ""
     allowed = f"{limit.relative:g} x baseline + {limit.absolute:g}{steps} ({limit.origin})"
-    return "worse" if abs(new - truth) > abs(old - truth) else "better", allowed
+    return "worse" if abs(new - truth) > abs(old - truth) else "better", allowed, change / most if most else None
 
 
 ERRORS: dict[str, str] = {

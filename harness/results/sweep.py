@@ -100,6 +100,7 @@ class Moved(Result):
     verdict: Verdict
     why: str
     expected: str | None = rare("why the row is known to fail; then it is no regression")
+    times: float | None = rare("the change over what is allowed")
 
 
 class RegressResult(Paged):
@@ -119,6 +120,34 @@ class RegressResult(Paged):
     )
     unused: list[str] = Field(default_factory=list, description="patterns that no row has the name of")
     versions: dict[str, Any] = Field(default_factory=dict, description="engine versions, baseline's and these")
+    machine: Machine
+
+
+class DiffSide(Result):
+    """One of two that are compared."""
+
+    given: str = Field(description="as it was named: an engine, with its version or interpreter, or a sweep")
+    engines: list[str] = Field(description="with versions, and environments where they were not the program's own")
+    rows: int
+
+
+class DiffResult(Paged):
+    """harness diff."""
+
+    LINES: ClassVar[str] = "moved"
+
+    schema_: Literal["harness.diff/1"] = Field(default="harness.diff/1", alias="schema")
+    statement: str
+    before: DiffSide
+    after: DiffSide
+    rows: int = Field(description="rows that both have, and that were compared")
+    moved: list[Moved] = Field(description="beyond tolerance, regressions first, the largest of them first")
+    new: list[str] = Field(description="rows that only the second has")
+    skipped: dict[str, str] = Field(description="rows, or all of an engine, that one lacks, and why")
+    passed: dict[str, str] = Field(description="rows that were known to fail and do not, and why they were")
+    unused: list[str] = Field(description="patterns that no row has the name of")
+    regressions: int
+    files: dict[str, str] = Field(default_factory=dict)
     machine: Machine
 
 

@@ -34,7 +34,7 @@ def test_importing_loads_nothing_until_a_name_is_used() -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["identify", "compare", "diagnose", "log", "run", "sweep", "regress", "tune", "prove", "words"]
+    "name", ["identify", "compare", "diagnose", "log", "run", "sweep", "regress", "diff", "tune", "prove", "words"]
 )
 def test_every_option_of_a_command_is_an_argument_with_its_default(name: str) -> None:
     context = Context(cli)

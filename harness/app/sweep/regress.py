@@ -63,9 +63,9 @@ def update(path: Path, rows: Rows, some: bool = False) -> Baseline:
     """
     found = dict(rows)
     if path.is_file():
-        run = {_version(row) for row in rows.values()}
+        run = {version_of(row) for row in rows.values()}
         old = {name: row.model_dump() for name, row in load_baseline(path).rows.items()}
-        found = {name: row for name, row in old.items() if some or _version(row) not in run} | found
+        found = {name: row for name, row in old.items() if some or version_of(row) not in run} | found
     baseline = Baseline(
         machine=this_machine(), rows={name: BaselineRow.model_validate(found[name]) for name in sorted(found)}
     )
@@ -76,11 +76,11 @@ def update(path: Path, rows: Rows, some: bool = False) -> Baseline:
     return baseline
 
 
-def _version(row: Mapping[str, Any]) -> Version:
+def version_of(row: Mapping[str, Any]) -> Version:
     return str(row["engine"]), str(row["version"]), str(row["environment"])
 
 
-def _rest(name: str) -> str:
+def rest_of(name: str) -> str:
     """What a row's name holds besides its engine and version."""
     return name.partition("/")[2]
 
@@ -99,21 +99,26 @@ def counterpart(of: Version, known: Iterable[Version]) -> Version | None:
     return max(same, key=order, default=None)
 
 
-def _held(path: Path) -> dict[Version, Rows]:
-    """Rows of a baseline by engine and version, each by what its name holds besides."""
+def by_version(rows: Rows) -> dict[Version, Rows]:
+    """Rows by engine and version, each by what its name holds besides."""
     found: dict[Version, Rows] = {}
-    for name, row in load_baseline(path).rows.items():
-        found.setdefault(_version(row.model_dump()), {})[_rest(name)] = row.model_dump()
+    for name, row in rows.items():
+        found.setdefault(version_of(row), {})[rest_of(name)] = row
     return found
 
 
-def _against(held: Mapping[Version, Rows], fresh: Rows) -> Rows:
-    """The counterpart of every row that has one, by the fresh row's name."""
+def _held(path: Path) -> dict[Version, Rows]:
+    return by_version({name: row.model_dump() for name, row in load_baseline(path).rows.items()})
+
+
+def against(held: Mapping[Version, Rows], fresh: Rows, pairs: Mapping[Version, Version | None] | None = None) -> Rows:
+    """The counterpart of every row that has one, by the fresh row's name. pairs : None for those of ``counterpart``."""
     found: Rows = {}
     for name, row in fresh.items():
-        version = counterpart(_version(row), held)
-        if version is not None and _rest(name) in held[version]:
-            found[name] = held[version][_rest(name)]
+        own = version_of(row)
+        version = counterpart(own, held) if pairs is None else pairs[own]
+        if version is not None and rest_of(name) in held[version]:
+            found[name] = held[version][rest_of(name)]
     return found
 
 
@@ -123,9 +128,9 @@ def compared(path: Path, rows: Rows, options: SweepOptions) -> RegressResult:
     Rows that only the baseline has are missing, unless the options leave them out or their version was not run.
     """
     held = _held(path)
-    before = _against(held, rows)
+    before = against(held, rows)
     if not (options.short or options.presets or options.steps or options.routes):
-        labels = {_version(row): name.partition("/")[0] for name, row in rows.items()}
+        labels = {version_of(row): name.partition("/")[0] for name, row in rows.items()}
         every = {f"{label}/{rest}": row for of, label in labels.items() for rest, row in held.get(of, {}).items()}
         before |= {name: row for name, row in every.items() if name not in rows and options.rows.runs(name)}
     absent = {engine for engine, _, _ in held} - {row["engine"] for row in rows.values()}
@@ -182,7 +187,7 @@ def compared_traces(folder: Path, baseline: Path | None, rows: Selection | None 
     found = {row["name"]: (row, stored) for row, stored in map(recomputed, files) if rows.runs(row["name"])}
     if baseline is not None:
         after = {name: kept(row) for name, (row, _) in found.items()}
-        return _result(str(baseline), _against(_held(baseline), after), after, [], rows, found)
+        return _result(str(baseline), against(_held(baseline), after), after, [], rows, found)
     moved = []
     for name, (row, stored) in found.items():
         for metric in dict.fromkeys([*stored, *row["metrics"]]):

@@ -52,7 +52,7 @@ class DecayKind(suite.Kind):
 
     def answers(self, scenario: Scenario) -> suite.Answers:
         slider = scenario.slider
-        known = {"x_k_m": slider.x_k, "zeta": slider.zeta}
+        known = {"x_k_m": slider.x_k, "zeta": slider.zeta, "x_k_local_m": slider.x_k}
         start = Decay.of_scenario(scenario)
         if not never_sticks(start):
             found = schedule(start, scenario.duration)
