@@ -12,6 +12,8 @@ STANDARD_GRAVITY = 9.80665
 """m/s^2; what ``[g]`` means on an acceleration (elsewhere ``g`` is the gram)."""
 
 _GRAVITY = re.compile(r"^(?P<prefix>[mµμu]?)(?:g|G|gn|g_0|g0)$")
+_TEMPERATURE = re.compile(r"^(?:°\s?C|degC|C|celsius|K|kelvin)$", re.IGNORECASE)
+"""Of which differences alone count."""
 _ONE_OF = {"mil": "thou (0.001 inch) or mrad", "rd": "rad, or rod (5.03 m)"}
 _TWOFOLD = re.compile(rf"\b({'|'.join(_ONE_OF)})s?\b", re.IGNORECASE)
 _PLAIN = re.compile(r"^[\w\s*/^().%°²³⁻¹·-]{1,60}$")
@@ -43,6 +45,7 @@ _ACCEPTED = {
     "i": "a unit of current such as A or mA",
     "e": "a unit of voltage such as V or mV",
     "n": "no unit",
+    "h": "degC or K",
 }
 _SCALED = {
     "x": '"x=#2*0.01[m]"',
@@ -77,6 +80,7 @@ _BASE = {
     "i": ("ampere",),
     "e": ("kilogram * meter ** 2 / ampere / second ** 3",),
     "n": ("dimensionless",),
+    "h": ("kelvin",),
 }
 
 
@@ -139,7 +143,7 @@ def _torque(text: str) -> str:
 
 
 def parse_unit(where: str, channel: str, text: str | None) -> Unit:
-    """The unit ``text`` of a channel (t, x, v, a, u, or i, a motor's current); SI when None.
+    """The unit ``text`` of a channel (t, x, v, a, u, or i, e and h: current, voltage, temperature); SI when None.
 
     Raises InputError naming ``where`` when it is not a unit, or one of another dimension.
     """
@@ -150,6 +154,8 @@ def parse_unit(where: str, channel: str, text: str | None) -> Unit:
     if channel == "a" and gravity:
         prefix = {"": 1.0, "m": 1e-3}.get(gravity["prefix"], 1e-6)
         return Unit(text, prefix * STANDARD_GRAVITY, False)
+    if channel == "h" and _TEMPERATURE.match(text):
+        return Unit(text, 1.0, False)
     two = _TWOFOLD.search(text)
     if two:
         accepted = f"{_ONE_OF[two[1].lower()]} is accepted"

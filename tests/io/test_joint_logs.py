@@ -159,7 +159,9 @@ NAMES: list[tuple[str, tuple[str, str, int] | None]] = [
     ("base.x", None),
     ("actual_TCP_pose_0", None),
     ("x1_N", None),
-    ("temperature", None),
+    ("temperature", ("temperature", "", 0)),
+    ("elbow_temp", ("temperature", "elbow", 0)),
+    ("humidity", None),
     ("", None),
 ]
 

@@ -31,8 +31,10 @@ def motion() -> tuple[FloatArray, ...]:
     return moved(6000, 250.0, (0.0, 0.0), (0.0, 0.0))
 
 
-def told(shape: Friction, folder: Path, more: FloatArray | float = 0.0) -> FrictionCurve:
-    """The elbow's curve of a log with this friction, torque noise of 1 %; more (n,) : torque beside it."""
+def told(
+    shape: Friction, folder: Path, more: FloatArray | float = 0.0, warmth: FloatArray | None = None
+) -> FrictionCurve:
+    """The elbow's curve of a log with this friction and torque noise of 1 %; more (n,) : torque, warmth : degC."""
     t, q, v, torque = motion()
     rng = np.random.default_rng(2)
     torque = torque + np.column_stack((0.8 * np.sign(v[:, 0]), shape(v[:, 1]) + more))
@@ -40,7 +42,8 @@ def told(shape: Friction, folder: Path, more: FloatArray | float = 0.0) -> Frict
     position, effort = ({name: y[:, i] for i, name in enumerate(NAMES)} for y in (q, torque))
     file = folder / "arm.xml"
     file.write_text(ARM)
-    found = whole_arm(JointLog(t, position, effort=effort), load_arm(file)).joint("elbow").curve
+    log = JointLog(t, position, effort=effort, temperature={} if warmth is None else {"elbow": warmth})
+    found = whole_arm(log, load_arm(file)).joint("elbow").curve
     assert found is not None
     return found
 
@@ -80,6 +83,22 @@ def test_what_friction_changes_with_has_its_size(tmp_path: Path) -> None:
     assert by.value == pytest.approx(0.1 / t[-1], rel=0.1)
     assert found["time"].surely
     assert not found["position"].surely
+
+
+def test_friction_changes_with_the_temperature_that_is_logged(tmp_path: Path) -> None:
+    t, _, v, _ = motion()
+    warmth = 25.0 + 8.0 * np.minimum(t / 8.0, 1.0) - 5.0 * np.clip((t - 12.0) / 8.0, 0.0, 1.0)
+    falling = -0.01 * np.sign(v[:, 1]) * (warmth - warmth.mean())
+    changes = told(SHAPES["Coulomb and viscous"], tmp_path, falling, warmth).changes
+    found = {one.what: one for one in changes}
+    by = found["temperature"].by
+    assert by is not None
+    assert by.unit == "N m/K"
+    assert by.value == pytest.approx(-0.01, rel=0.1)
+    assert found["temperature"].surely
+    assert not found["time"].surely
+    hardly = told(SHAPES["Coulomb and viscous"], tmp_path, 0.0, 25.0 + 0.1 * np.sin(t))
+    assert {one.what: one.why for one in hardly.changes}["temperature"]
 
 
 @pytest.mark.parametrize("name", SHAPES)

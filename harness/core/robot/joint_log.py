@@ -18,6 +18,7 @@ class JointLog:
     t : s, increasing. position : rad or m, by joint. velocity : rad/s or m/s, effort : N m or N; joints that were not
     logged are left out. file : where it came from. sha256 : of that file. notes : what the reader did, one sentence
     each. goal : position that is asked of a servo, rad or m. voltage : of its supply, V. driven : 1 where it drives.
+    temperature : of the joint, degC.
 
     Raises InputError for fewer than 50 samples, a value not finite, time that does not increase, or no position.
     """
@@ -32,6 +33,7 @@ class JointLog:
     goal: Mapping[str, FloatArray] = field(default_factory=dict)
     voltage: Mapping[str, FloatArray] = field(default_factory=dict)
     driven: Mapping[str, FloatArray] = field(default_factory=dict)
+    temperature: Mapping[str, FloatArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         t = vector(f"{self.file}: time", self.t)
@@ -41,7 +43,7 @@ class JointLog:
         object.__setattr__(self, "t", t)
         if not self.position:
             raise InputError(self.file, "no joint's position", "a log with positions of joints is accepted")
-        for kind in ("position", "velocity", "effort", "goal", "voltage", "driven"):
+        for kind in ("position", "velocity", "effort", "goal", "voltage", "driven", "temperature"):
             given = getattr(self, kind)
             kept = {name: vector(f"{self.file}: {name}.{kind}", y, t.size) for name, y in given.items()}
             object.__setattr__(self, kind, MappingProxyType(kept))

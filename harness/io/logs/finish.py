@@ -17,7 +17,8 @@ from harness.io.logs.suspicions import called, coarse, degrees, odd_velocity, un
 from harness.io.times import sampling_notes
 
 Gain = float | Mapping[str, float]
-_OF_SERVOS: tuple[Literal["goal", "voltage", "driven"], ...] = ("goal", "voltage", "driven")
+_BESIDE: tuple[Literal["goal", "voltage", "driven", "temperature"], ...] = ("goal", "voltage", "driven", "temperature")
+"""What a log has beside motion and effort."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +35,7 @@ class Finished:
 
     def log(self, file: str, sha256: str) -> JointLog:
         """The log; InputError for one that holds too little."""
-        more = {kind: self.beside.get(kind, {}) for kind in _OF_SERVOS}
+        more = {kind: self.beside.get(kind, {}) for kind in _BESIDE}
         return JointLog(self.t, self.position, self.velocity, self.effort, file, sha256, self.notes, **more)
 
 
@@ -61,7 +62,7 @@ def finished(raw: Raw, file: str, options: LogOptions, gain: Gain | None) -> Fin
             fields["magnitude"] = {joint: effort[joint] for joint in signless}
             effort = {joint: u for joint, u in effort.items() if joint not in signless}
         notes += [*coarse("velocity", velocity), *coarse("effort", effort), *sampling_notes(raw.t)]
-    kinds: tuple[Field, ...] = ("current", "magnitude", *_OF_SERVOS)
+    kinds: tuple[Field, ...] = ("current", "magnitude", *_BESIDE)
     beside = {kind: fields[kind] for kind in kinds if fields.get(kind)}
     return Finished(raw.t, position, velocity, effort, beside, tuple(notes))
 
@@ -120,7 +121,9 @@ def _logged(raw: Raw) -> Raw:
     notes = list(raw.notes)
     for kind, of in raw.fields.items():
         kept = {joint: y for joint, y in of.items() if not np.all(np.isnan(y))}
-        if kind not in ("position", *_OF_SERVOS):
+        if kind == "temperature":  # read seldom, and slow
+            kept = {joint: _between(raw.t, y) for joint, y in kept.items()}
+        if kind not in ("position", *_BESIDE):
             still = [joint for joint, y in kept.items() if np.all(y == 0.0)]
             if still and len(still) == len(kept):
                 notes.append(f"The {_SAID.get(kind, kind)} is 0 throughout: taken as not logged.")
@@ -136,6 +139,12 @@ def _logged(raw: Raw) -> Raw:
     if raw.fields.get("magnitude"):
         notes.append("An effort without its sign is logged: it says nothing of friction, and is left out.")
     return replace(raw, fields=fields, notes=tuple(notes))
+
+
+def _between(t: FloatArray, y: FloatArray) -> FloatArray:
+    """Values (n,) in place of those that are nan, from their neighbours."""
+    known = np.isfinite(y) & np.isfinite(t)
+    return y if known.all() or not known.any() else np.interp(t, t[known], y[known])
 
 
 _SAID = {"magnitude": "effort without its sign"}
@@ -170,7 +179,7 @@ def _multiplied(raw: Raw, file: str, gain: Gain | None) -> Raw:
 
 def _rows(raw: Raw, file: str, drop_nan: bool) -> Raw:
     """Without rows that lack a value, where that was asked; InputError for the first value that is none, else."""
-    kept = {kind: of for kind, of in raw.fields.items() if kind in ("position", "velocity", "effort", *_OF_SERVOS)}
+    kept = {kind: of for kind, of in raw.fields.items() if kind in ("position", "velocity", "effort", *_BESIDE)}
     channels = [("t", raw.t, LONGEST_TIME)]
     channels += [(f"{joint}.{kind}", y, LARGEST) for kind, of in kept.items() for joint, y in of.items()]
     notes = raw.notes

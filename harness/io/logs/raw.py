@@ -16,7 +16,7 @@ from harness.io.columns import ENDINGS, is_commanded
 from harness.io.options import ReadOptions
 from harness.io.units import parse_unit
 
-Field = Literal["position", "velocity", "effort", "current", "magnitude", "goal", "voltage", "driven"]
+Field = Literal["position", "velocity", "effort", "current", "magnitude", "goal", "voltage", "driven", "temperature"]
 CHANNEL: dict[Field, str] = {
     "position": "x",
     "velocity": "v",
@@ -26,6 +26,7 @@ CHANNEL: dict[Field, str] = {
     "goal": "x",
     "voltage": "e",
     "driven": "n",
+    "temperature": "h",
 }
 """What is logged of a joint, and the channel whose units it has; a magnitude is an effort without its sign, a goal the
 position that is asked of a servo, driven whether it drives (1 or 0)."""
@@ -38,6 +39,7 @@ SI_UNITS: dict[Field, str] = {
     "goal": "rad",
     "voltage": "V",
     "driven": "1",
+    "temperature": "degC",
 }
 """What is assumed where nothing says a unit (a slide: m, m/s, N)."""
 WORDS: dict[Field, tuple[str, ...]] = {
@@ -49,6 +51,7 @@ WORDS: dict[Field, tuple[str, ...]] = {
     "goal": ("goal", "action"),
     "voltage": ("voltage", "volts", "input_volts", "input_voltage", "vin"),
     "driven": ("torque_enable", "torque_enabled", "enabled"),
+    "temperature": ("temperature", "temperatures", "temp", "motor_temperature", "motor_temp", "joint_temperatures"),
 }
 """Words for each; where a file has several of them, the first is taken."""
 SHORT = frozenset({"x", "v", "u"})
@@ -57,7 +60,13 @@ TOPICS = frozenset({"joint_states", "joint_state", "field", "observation", "robo
 """Names before a field that are no joint's."""
 
 FIELD_OF: dict[str, Field] = {word: field for field, words in WORDS.items() for word in words}
-_ENDINGS = {**ENDINGS, "i": {"a": "A", "ma": "mA"}, "e": {"v": "V", "mv": "mV"}, "n": {}}
+_ENDINGS = {
+    **ENDINGS,
+    "i": {"a": "A", "ma": "mA"},
+    "e": {"v": "V", "mv": "mV"},
+    "n": {},
+    "h": {"c": "degC", "degc": "degC", "k": "K"},
+}
 
 
 def _any(words: "frozenset[str] | set[str]") -> str:

@@ -21,7 +21,7 @@ ACCEPTED = (
     "t and NAME.position, NAME.velocity, NAME.effort or NAME.current as a product of column names, #N and numbers is "
     'accepted, e.g. "t=t,elbow.position=q3[deg],elbow.effort=7.1*cur3[N*m]"'
 )
-_FIELDS: tuple[Field, ...] = ("position", "velocity", "effort", "current", "goal", "voltage", "driven")
+_FIELDS: tuple[Field, ...] = ("position", "velocity", "effort", "current", "goal", "voltage", "driven", "temperature")
 
 
 @dataclass(frozen=True, slots=True)

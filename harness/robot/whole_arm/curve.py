@@ -167,11 +167,13 @@ _FLAT = 1e-10
 
 
 def _changes(problem: Problem, design: Design, gain: Mapping[int, float]) -> dict[int, tuple[Change, ...]]:
-    """How friction of each joint changes with its load, its position and the time, all at once."""
+    """How friction of each joint changes with its load, position, temperature and the time, all at once."""
     named = [one for one in design.named if one.candidate.name not in _BESIDE]
     asked = {j: _asked(problem, j) for j in design.parts}
     every = [Named(Whitened.of(one, design.parts)) for some in asked.values() for one in some]
-    wider = Design(design.parts, [*named, *every])
+    # what changes slowly is memory of the noise where it was not in the model
+    wider = _relearnt(Design(design.parts, [*named, *every]), 0)
+    every = list(wider.named[len(named) :])
     errors = np.sqrt(np.diag(wider.covariance()))
     found: dict[int, list[Change]] = {j: [] for j in asked}
     for one in every:
@@ -180,17 +182,20 @@ def _changes(problem: Problem, design: Design, gain: Mapping[int, float]) -> dic
         at = wider.place(one).start
         by = Quantity(float(wider.numbers[at]) / gain[j], float(errors[at]) / abs(gain[j]), unit)
         found[j].append(Change(what, by))
-    unloaded, unheard = (
-        Change(LOADED, None, "gravity does not load it"),
-        Change("temperature", None, "it is not logged"),
-    )
-    return {
-        j: (*some, *(() if any(one.what == LOADED for one in some) else (unloaded,)), unheard)
-        for j, some in found.items()
-    }
+    for j, some in found.items():
+        known = [one.what for one in some]
+        if LOADED not in known:
+            some.append(Change(LOADED, None, "gravity does not load it"))
+        if WARMTH not in known:
+            told = np.all(np.isfinite(problem.filtered.temperature[:, j]))
+            said = f"it changes by less than {_WARMER:g} K" if told else "it is not logged"
+            some.append(Change(WARMTH, None, said))
+    return {j: tuple(some) for j, some in found.items()}
 
 
-LOADED = "torque of gravity"
+LOADED, WARMTH = "torque of gravity", "temperature"
+_WARMER = 1.0
+"""K: of less nothing is asked."""
 _NOTHING = 1e-6
 """Share of a torque below which gravity is none."""
 
@@ -202,6 +207,8 @@ def _asked(problem: Problem, joint: int) -> list[Candidate]:
     every = {("position", "N m/rad"): q, ("time", "N m/s"): filtered.t}
     if np.ptp(load) > _NOTHING * float(np.sqrt(np.mean(filtered.torque[:, joint] ** 2))):
         every = {(LOADED, "1"): load, **every}
+    if np.ptp(filtered.temperature[:, joint]) > _WARMER:  # nan where it was not logged
+        every[WARMTH, "N m/K"] = filtered.temperature[:, joint]
     made = []
     for (what, unit), column in every.items():
         own = _less_mean(part.base[:, :1] * column[:, None], part)

@@ -38,7 +38,8 @@ class Filtered:
     """A log after the filter. k joints were logged with effort, the arm has nv.
 
     joints : names (k,). dof : their places in the arm (k,). t (m,) : s. q, v, a (m, nv) : rad or m, per s, per s^2.
-    torque (m, k) : N m or N. good (m,) : away from gaps. band : of the recording. fine : band of t_fine, q_fine, v_fine
+    torque (m, k) : N m or N. temperature (m, k) : degC, nan where it
+    was not logged. good (m,) : away from gaps. band : of the recording. fine : band of t_fine, q_fine, v_fine
     (M, nv), from which columns are formed. out : band of the m samples before the ends were cut. velocity_noise (k,) :
     standard deviation of v. position_step (k,) : rad, the encoder's. torque_noise (k,) : what white noise of the
     recorded torque leaves after the filter, N m. rests : by joint, (r, 2), s, from when to when it stayed within its
@@ -53,6 +54,7 @@ class Filtered:
     v: FloatArray
     a: FloatArray
     torque: FloatArray
+    temperature: FloatArray
     good: BoolArray
     band: Band
     fine: Band
@@ -167,9 +169,11 @@ def differentiate(
     position, speed, acceleration = (y[kept] for y in band.filtered(q, out, 2))
     q_fine, v_fine = band.filtered(q, fine, 1)
     moved = band.filtered(torque, out, late=late)[0][kept]
+    unheard = np.full(log.t.size, np.nan)
+    warmth = np.stack([np.interp(t[kept], log.t, log.temperature.get(name, unheard)) for name in names], axis=1)
     noises = tuple(math.sqrt(2.0 * white_sd(y) ** 2 / rate * cut) for y in torque.T)
     return Filtered(
-        names, dof, t[kept], position, speed, acceleration, moved, good[kept], band, fine, out,
+        names, dof, t[kept], position, speed, acceleration, moved, warmth, good[kept], band, fine, out,
         even[0] + np.arange(fine.size) / fine.rate, q_fine, v_fine, tuple(speeds), tuple(quanta), noises,
         tuple(still), seconds, tuple(notes),
     )  # fmt: skip
