@@ -259,6 +259,23 @@ class SurfaceResult(Result):
     described: str = Field(description="in words")
 
 
+class SeenLawResult(Result):
+    """A law that was found beside the recording: a force on the left of the equation, means over cells."""
+
+    names: list[str]
+    over: Literal["v", "x", "t"] = Field(
+        description="v: all friction and damping; x: what the refined model's spring is not; t: over time"
+    )
+    level: bool = Field(description="whether it is the level of dry friction, against the motion")
+    at: Floats = Field(description="m/s, m or s; rad/s or rad")
+    at_unit: str
+    seen: Floats = Field(description="the fitted law with the force that the refined model leaves over")
+    stderr: Floats
+    fitted: Floats
+    base: Floats = Field(description="of viscous and Coulomb friction alone")
+    force_unit: str
+
+
 class FitPercent(Result):
     """100 (1 - |y - yhat| / |y - mean y|) by channel, before and after."""
 
@@ -326,6 +343,7 @@ class DiagnosisResult(Paged):
         default_factory=list, description="what has no name, as curves; part of the refined model"
     )
     surface: SurfaceResult | None = rare("of what has no name, what hangs on position and speed at once")
+    laws: list[SeenLawResult] = rare("what was found, beside the recording", list)
     fit_percent: FitPercent | None = None
     rules: list[RuleResult] = Field(default_factory=list, description="the numbers that moved the verdict")
     holdout: HoldoutResult

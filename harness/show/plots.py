@@ -31,6 +31,7 @@ ANGLES = {
 }
 """Label, unit and factor of a channel: on a page lengths are in mm."""
 SHADE = "rgba(228, 99, 45, 0.12)"
+_NOISE = "rgba(128, 136, 148, 0.3)"
 MOST_SHADES = 80
 MOST_BUTTONS = 12
 AROUND = 0.12
@@ -130,17 +131,16 @@ def upright_lines(times: FloatArray) -> list[dict[str, Any]]:
 
 
 def left_by(what: str, sigma: object, unit: str, factor: float) -> tuple[str, list[dict[str, Any]]]:
-    """Caption of a recording minus what was made of it, and dashed lines at two deviations of its noise, where known.
+    """Caption of a recording minus what was made of it, and a band of two deviations of its noise, where known.
 
     sigma : of the noise, SI. unit, factor : those drawn.
     """
     if not isinstance(sigma, (int, float)):
         return f"Recording minus {what}.", []
     level = 2.0 * sigma * factor
-    line = {"color": "muted", "width": 1, "dash": "dash"}
-    place = {"type": "line", "x0": 0, "x1": 1, "xref": "paper", "line": line}
-    caption = f"Recording minus {what}; dashed: two standard deviations of the noise ({level:.3g} {unit})."
-    return caption, [place | {"y0": end, "y1": end} for end in (level, -level)]
+    band = {"type": "rect", "x0": 0, "x1": 1, "xref": "paper", "y0": -level, "y1": level, "layer": "below"}
+    caption = f"Recording minus {what}. Grey: the noise, ± two standard deviations ({level:.3g} {unit})."
+    return caption, [band | {"fillcolor": _NOISE, "line": {"width": 0}}]
 
 
 def shades(spans: Sequence[Sequence[float]], color: str = SHADE) -> list[dict[str, Any]]:

@@ -162,8 +162,9 @@ def _shape(plane: Any, shape: Mapping[str, Any]) -> None:
     across, line = shape.get("yref") == "paper", shape.get("line", {})
     low, high = (shape["x0"], shape["x1"]) if across else (shape["y0"], shape["y1"])
     looks = {"color": line.get("color"), "lw": 1, "ls": _DASHES.get(line.get("dash", ""), "-"), "zorder": 0}
-    if shape["type"] == "rect" and across:
-        plane.axvspan(low, high, color=_rgba(shape["fillcolor"]), lw=0, zorder=0)
+    if shape["type"] == "rect":
+        span = plane.axvspan if across else plane.axhspan
+        span(low, high, color=_rgba(shape["fillcolor"]), lw=0, zorder=0)
     elif low == high:
         (plane.axvline if across else plane.axhline)(low, **looks)
 

@@ -58,6 +58,18 @@ def test_the_stop_is_found_with_its_place_and_stiffness(done: Done) -> None:
     assert found.name in result.statement.replace(" ", "-")
 
 
+def test_the_law_is_seen_in_the_recording_where_the_base_model_has_none(done: Done) -> None:
+    (law,) = done[0].laws
+    assert (law.names, law.over, law.level) == (["end-stop"], "x", False)
+    at, seen, error = (np.array(values) for values in (law.at, law.seen, law.stderr))
+    true = 60.0 * np.maximum(at - 0.05, 0.0)
+    assert float(np.max(true)) > 1.0
+    # the base model's own spring stands for what it can
+    assert float(np.mean(((seen - true) / error) ** 2)) < 3.0
+    assert float(np.mean(((np.array(law.base) - true) / error) ** 2)) > 10.0
+    assert np.array(law.fitted) == pytest.approx(true, abs=0.05 * float(np.max(true)))
+
+
 @pytest.mark.usefixtures("pybullet")
 def test_the_fit_improves_where_it_was_not_fitted_and_in_both_engines(done: Done) -> None:
     result = done[0]

@@ -168,9 +168,8 @@ def _left(done: Diagnosed, one: OneJoint) -> FloatArray:
     """Columns (m, 7) as a page and a trace have them, by nothing at rest: t, q, v, torque left by the base and by the
     refined model, and friction as each of them has it."""
     outcome = done.outcome
-    kind = kind_of(outcome.problem)
-    before = kind.left_over(outcome.problem, outcome.base, outcome.scales)
-    after = kind.left_over(outcome.problem, outcome.refined, outcome.scales)
+    before = done.left
+    after = kind_of(outcome.problem).left_over(outcome.problem, outcome.refined, outcome.scales)
     torque = np.interp(before.t, after.t, after.force) * outcome.refined.model.m
     base = outcome.base.model
     rest, v = before.force * base.m, before.at_v

@@ -11,7 +11,7 @@ from harness.app.diagnose.attribution import Configured
 from harness.app.diagnose.files import of_first_alone, simulated, write_model, write_trace_csv
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.problem import errors_of, prepared, validation
-from harness.app.diagnose.result import STEPS, Diagnosed, result_of
+from harness.app.diagnose.result import STEPS, Diagnosed, result_of, with_laws
 from harness.app.diagnose.together import investigate_together
 from harness.app.shared.leaving import FILES as ALWAYS
 from harness.app.shared.leaving import leave, leaving
@@ -22,7 +22,6 @@ from harness.app.shared.reading import thinned
 from harness.core.recording import Recording
 from harness.core.telling import listening
 from harness.diagnosis.explain.force_map import write_history, write_map
-from harness.diagnosis.kinds.known import kind_of
 from harness.diagnosis.pipeline import diagnose as conclude
 from harness.engines import model_files
 from harness.io.store import OutputFolder
@@ -81,7 +80,8 @@ def investigate(
     named = dict(zip(model_names(result), models, strict=False))
     result = result.model_copy(update={"damping": damping_of(outcome.problem, named)})
     motions = (*models, *(() if own is None else (own,)))
-    return Diagnosed(recording, outcome, motions, result)
+    result, left = with_laws(result, outcome)
+    return Diagnosed(recording, outcome, motions, result, left)
 
 
 def deliver(
@@ -123,9 +123,8 @@ def _write(output: OutputFolder, found: Diagnosed, progress: Progress, finish: F
     named = {**FILES, "mjcf": f"model/{name}.xml", "urdf": f"model/{name}.urdf", **more_files}
     named |= {"friction": f"model/{model_files.FRICTION}"}
     write_trace_csv(output / FILES["refined_trace"], found.simulated[1], found.recording, outcome)
-    force = kind_of(problem).left_over(problem, outcome.base, outcome.scales)
-    write_map(output / FILES["residual_map"], force)
-    write_history(output / FILES["residual_force"], force)
+    write_map(output / FILES["residual_map"], found.left)
+    write_history(output / FILES["residual_force"], found.left)
     files = {name: output.at(file) for name, file in named.items()}
     more = {
         "files": files,

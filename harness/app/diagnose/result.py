@@ -19,11 +19,14 @@ from harness.core.quantity import Quantity
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.diagnosis.explain.engines import engine_fit
+from harness.diagnosis.explain.force_map import ForceMap
 from harness.diagnosis.explain.locate import Place, locate, share_within
+from harness.diagnosis.explain.seen_law import seen_laws
 from harness.diagnosis.explain.sentences import sentence_of
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.rmse import fit_percent, rmse
 from harness.diagnosis.fit.standard_errors import unit_of
+from harness.diagnosis.kinds.known import kind_of
 from harness.diagnosis.motion import Motion
 from harness.diagnosis.outcome import Mechanism, Outcome, Prediction, Surface, Tried
 from harness.diagnosis.problem import Problem
@@ -40,6 +43,7 @@ from harness.results.diagnosis import (
     MechanismResult,
     PredictionResult,
     ReadResult,
+    SeenLawResult,
     SurfaceResult,
     TableResult,
 )
@@ -59,13 +63,14 @@ class Diagnosed:
     """A diagnosis with what it rests on.
 
     simulated : base model and refined model at every time of the recording, behind them the user's own simulation
-    where there is one. result : without files. shown : of a robot.
+    where there is one. result : without files. left : the force that the base model leaves over. shown : of a robot.
     """
 
     recording: Recording
     outcome: Outcome
     simulated: tuple[Trajectory, ...]
     result: DiagnosisResult
+    left: ForceMap
     shown: Shown | None = None
 
     @property
@@ -74,6 +79,21 @@ class Diagnosed:
         own = yours(self.simulated)
         models = dict(zip(model_names(self.result), self.simulated, strict=False))
         return curves_of({"recording": self.recording, **models, **({} if own is None else {YOUR_SIMULATION: own})})
+
+
+def with_laws(result: DiagnosisResult, outcome: Outcome) -> tuple[DiagnosisResult, ForceMap]:
+    """The result with its laws beside the recording, and the force that the base model leaves over."""
+    problem, kind = outcome.problem, kind_of(outcome.problem)
+    left = kind.left_over(problem, outcome.base, outcome.scales)
+    if not outcome.mechanisms:
+        return result, left
+    after = kind.left_over(problem, outcome.refined, outcome.scales, left.wander)
+    units = {"x": unit_of("m", problem), "v": unit_of("m/s", problem), "t": "s"}
+    laws = [
+        SeenLawResult.taken_from(one, at_unit=units[one.over], force_unit=unit_of("N", problem))
+        for one in seen_laws(outcome, after)
+    ]
+    return result.model_copy(update={"laws": laws}), left
 
 
 def result_of(

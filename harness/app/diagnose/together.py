@@ -9,7 +9,7 @@ from harness.app.diagnose.attribution import Configured
 from harness.app.diagnose.files import simulated
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.problem import prepared_together, validation
-from harness.app.diagnose.result import STEPS, Diagnosed, result_of
+from harness.app.diagnose.result import STEPS, Diagnosed, result_of, with_laws
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.shared.reading import recording_info, thinned
 from harness.core.errors import InputError
@@ -121,7 +121,8 @@ def investigate_together(
     }
     laid, other = _laid(recordings, problem, outcome), validation(recordings[0], options)
     result = result_of(laid, ready, outcome, options, Configured(), other, command, **more)
-    return Diagnosed(laid, outcome, simulated(laid, outcome), result)
+    result, left = with_laws(result, outcome)
+    return Diagnosed(laid, outcome, simulated(laid, outcome), result, left)
 
 
 def _refuse_options(options: DiagnoseOptions) -> None:

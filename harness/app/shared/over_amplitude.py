@@ -16,6 +16,8 @@ from harness.results.common import DampingResult
 
 _AT_REST = 1e-6
 """Of its largest speed, from which a model begins at a turning point."""
+_LET_GO = 2.0
+"""Intervals within which what is let go has the speed that it is first seen with."""
 _BELOW = 0.7
 """Of the smallest amplitude that was measured, down to which a model's is told."""
 
@@ -44,9 +46,13 @@ def _of_model(motion: Trajectory) -> OverAmplitude | None:
         at = np.flatnonzero(motion.v[1:] * motion.v[:-1] < 0.0)
         share = motion.v[at] / (motion.v[at] - motion.v[at + 1])
         times = motion.t[at] + share * (motion.t[at + 1] - motion.t[at])
-    # held until it is let go, which is its first turning point
+    # held until it is let go, which is its first turning point unless it begins with a speed
     moving = np.flatnonzero(np.abs(motion.v) >= _AT_REST * float(np.max(np.abs(motion.v))))
     begins = motion.t[moving[:1] - 1] if moving.size and moving[0] > 0 else motion.t[:0]
+    if begins.size:
+        i = moving[0]
+        interval = motion.t[i] - motion.t[i - 1]
+        begins = begins[: int(abs(motion.v[i]) <= _LET_GO * abs(motion.a[i]) * interval)]
     first = begins[0] if begins.size else motion.t[0]
     times = np.concatenate((begins, times[(times > first) & (times <= motion.t[-1])]))
     x = CubicHermiteSpline(motion.t, motion.x, motion.v)(times)

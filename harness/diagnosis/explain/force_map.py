@@ -30,7 +30,8 @@ class ForceMap:
     """Force left over per unit mass (m/s^2), on the left of the equation of motion, with one standard error.
 
     t, at_x, at_v, force, stderr : (n,), over time; nan at rest. x, v, cell_force, cell_stderr, samples : (m,), means
-    over the cells of displacement and speed that were visited.
+    over the cells of displacement and speed that were visited. wander : rate at which it was let wander, None where
+    the force was measured.
     """
 
     t: FloatArray
@@ -43,6 +44,7 @@ class ForceMap:
     cell_force: FloatArray
     cell_stderr: FloatArray
     samples: IntArray
+    wander: float | None = None
 
 
 def _smooth(  # noqa: PLR0912, PLR0915  (one loop is one loop)
@@ -153,12 +155,13 @@ def force_map(
     motion: Motion,
     damping: float,
     stiffness: FloatArray,
+    wander: float | None = None,
 ) -> ForceMap:
     """The force left over by a base model.
 
     t : (n,), s. residual : data minus model by channel (x, v, a), (n,), SI units. sigma : noise of each, its white
     equivalent. motion : of the base model. damping : c/m, 1/s. stiffness : k/m along the motion, (n,), 1/s^2 (zeros for
-    a free axis). Linear in samples.
+    a free axis). wander : (m/s^2)^2/s, None for the likeliest. Linear in samples.
     """
     n = t.size
     r, variance = np.zeros((n, 3)), np.full(3, math.inf)
@@ -172,17 +175,17 @@ def force_map(
     force, spread = np.empty(n), np.empty(n)
     t_s = read_only(t)
 
-    def run(rate: float, keep: bool) -> float:
-        wander = (rate * scale) ** 2 * omega
+    def run(wander: float, keep: bool) -> float:
         return float(
             _compiled_smooth(t_s, r, variance, damping, stiffness, motion.stuck, wander, start, keep, force, spread)
         )
 
-    best = min(_RATES, key=lambda rate: run(rate, False))
-    run(best, True)
+    if wander is None:
+        wander = min(((rate * scale) ** 2 * omega for rate in _RATES), key=lambda one: run(one, False))
+    run(wander, True)
     stderr = np.sqrt(np.maximum(spread, 0.0))
     force[motion.stuck], stderr[motion.stuck] = np.nan, np.nan
-    return ForceMap(t, motion.x, motion.v, force, stderr, *_cells(motion, force, stderr))
+    return ForceMap(t, motion.x, motion.v, force, stderr, *_cells(motion, force, stderr), wander)
 
 
 def measured_map(t: FloatArray, force: FloatArray, sigma: float, motion: Motion) -> ForceMap:

@@ -42,7 +42,7 @@ class Curves(Kind[Curve]):
         """None: each row stands by itself."""
         return Holdout.none()
 
-    def left_over(self, problem: Curve, base: Fit, scales: Scales) -> ForceMap:
+    def left_over(self, problem: Curve, base: Fit, scales: Scales, wander: float | None = None) -> ForceMap:
         """What is left of the force, over speed."""
         left = (problem.channels["u"] - base.shown.y["u"]) / base.model.m
         motion = Motion(base.shown.x, problem.v, problem.v == 0.0, scales.omega)

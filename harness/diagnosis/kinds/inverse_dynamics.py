@@ -56,7 +56,7 @@ class FittedForces(Kind[InverseDynamics]):
         assert isinstance(coarse.problem, InverseDynamics)
         return holdout_windows(coarse.base, judged.judgement.refined, coarse.problem, judged.found.scales)
 
-    def left_over(self, problem: InverseDynamics, base: Fit, scales: Scales) -> ForceMap:
+    def left_over(self, problem: InverseDynamics, base: Fit, scales: Scales, wander: float | None = None) -> ForceMap:
         """What is left of the measured force itself, where the slider moves."""
         measured = problem.measured
         left = (measured.u - measured.needed(base.model)) / base.model.m

@@ -51,8 +51,11 @@ class Kind(ABC, Generic[P]):
         """
         return [as_started(model, problem, scales) for model in models]
 
-    def left_over(self, problem: P, base: Fit, scales: Scales) -> ForceMap:
-        """The force that the base model leaves over, per unit mass: from what it leaves of the channels."""
+    def left_over(self, problem: P, base: Fit, scales: Scales, wander: float | None = None) -> ForceMap:
+        """The force that a model leaves over, per unit mass: from what it leaves of the channels.
+
+        wander : as in ``force_map``; a force that was measured is not smoothed.
+        """
         model, shown = base.model, base.shown
         interval, omega = float(np.median(np.diff(problem.t))), scales.omega
         sigma = {c: noise.sigma * math.sqrt(noise.inflation(omega, interval)) for c, noise in problem.noise.items()}
@@ -61,4 +64,4 @@ class Kind(ABC, Generic[P]):
             stiffness *= np.cos(shown.x)
         residual = {c: y - shown.y[c] for c, y in problem.channels.items()}
         motion = Motion(shown.x, shown.v, shown.mode == Mode.STICK, omega)
-        return force_map(problem.t, residual, sigma, motion, model.c / model.m, stiffness)
+        return force_map(problem.t, residual, sigma, motion, model.c / model.m, stiffness, wander)

@@ -9,7 +9,7 @@ from harness.show.blocks import Block, Cell, Column, Figure, Folded, Section, ta
 from harness.show.numbers import number
 from harness.show.plots import Trace, axes, dots, plain
 
-_INK, _BAND, _COLORS = "#2b7fd6", "rgba(43, 127, 214, 0.18)", ("#e4632d", "#1f9e77", "#a45bc2")
+_INK, _BAND, _COLORS = "ink", "rgba(128, 136, 148, 0.3)", ("#e4632d", "#2b7fd6", "#1f9e77")
 _ERRORS = 2.0
 """Standard errors of the band."""
 

@@ -2,7 +2,7 @@
 
 import os
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path, PurePath
 from typing import TypeAlias
 
@@ -19,10 +19,11 @@ from harness.results.diagnosis import (
 )
 from harness.results.fleet import FleetResult
 from harness.show import blocks as b
-from harness.show.numbers import NONE, number, quantity
+from harness.show.numbers import NONE, SHOWN, number, quantity
 from harness.show.report.damping import damping_section
-from harness.show.report.diagnosis_figures import Curves, evidence, left, model_names, nameless, shares
+from harness.show.report.diagnosis_figures import Curves, evidence, left, model_names, nameless, probabilities, shares
 from harness.show.report.identify import samples_of
+from harness.show.report.law import law_section
 from harness.show.report.page import made_with
 from harness.show.report.robot import fleet_sections, joint_beside
 from harness.show.report.run import settings_of
@@ -65,29 +66,21 @@ def diagnosis_page(
     sections = [
         b.verdict(result.statement.replace("+-", "\u00b1"), gained(result), heading="Verdict"),
         *([] if robot is None else joint_beside(result, robot)),
-        seen.before(),
-        *([_own(result)] if result.own else []),
-        *([damping_section(result.damping)] if result.damping is not None else []),
-        *([_mechanisms(result)] if result.mechanisms else []),
-        *([left(result)] if result.remainder is not None else []),
+        seen.residual_section(),
+        *([law_section(result)] if result.laws else []),
         *([nameless(result)] if result.tables or result.surface else []),
-        _models(result),
-        *([evidence(result)] if result.evidence else []),
-        b.Section("Residual by speed" if recording.steady else "Residual by time", seen.residuals()),
-        *([] if recording.steady else [seen.phase_plane()]),
-        _heldout(result),
+        *([] if recording.steady else [seen.phase_plane(_places(result))]),
+        _numbers(result),
+        *([_own(result)] if result.own else []),
+        *([_evidence(result)] if result.mechanisms or len(result.posterior) > 1 else []),
+        *_to_know(result),
     ]
-    if more := said(result):
-        sections.append(b.verdict("", more, heading="What to know besides"))
-    if told is not None:
-        sections.append(shares(told))
-        if change := to_change(told):
-            sections.append(b.verdict("", change, heading="What to change in your simulation"))
-    if result.engines:
-        sections.append(_engines(result))
-    if result.rules:
-        sections.append(_rules(result))
-    sections.append(made_with(result.machine, result.files, result.command))
+    if told is not None and (change := to_change(told)):
+        sections.append(b.verdict("", change, heading="What to change in your simulation"))
+    sections += [
+        b.Section("Details", _details(result, seen)),
+        made_with(result.machine, result.files, result.command),
+    ]
     about = result.recording
     name = "the recording on standard input" if about.file == "-" else PurePath(about.file).name
     if result.recordings:
@@ -129,19 +122,56 @@ def _change(before: float, after: float | None, helped: bool, unit: str = "") ->
 
 def said(result: DiagnosisResult) -> list[str]:
     """What else it could be, where, what would decide, warnings."""
-    sentences = []
+    return [*_places(result), *notes(result)]
+
+
+def notes(result: DiagnosisResult) -> list[str]:
+    """What would decide, what else it could be, cautions, what was done to the recording."""
+    sentences = [result.next_experiment]
     for mechanism in result.mechanisms:
         others = [f"{a.name} (worse by {number(a.delta_bic, 2)} in BIC)" for a in mechanism.alternatives]
         if others:
             sentences.append(f"The data do not rule out, in place of {mechanism.name}: {', '.join(others)}.")
+    return [_capital(sentence) for sentence in [*sentences, *result.warnings, *result.recording.notes] if sentence]
+
+
+def _places(result: DiagnosisResult) -> list[str]:
+    """Where simulation and recording differ."""
+    sentences = []
     for place in result.where:
         if place.regime == "throughout":
-            sentences.append(f"Simulation and recording part throughout: {place.condition}.")
+            sentences.append(f"Simulation and recording differ throughout: {place.condition}.")
             continue
         share = "" if place.share is None else f", which holds {100.0 * place.share:.0f} % of the mismatch"
-        sentences.append(f"Simulation and recording part where {place.condition}{share}.")
-    sentences += filter(None, [result.next_experiment, *result.warnings, *result.recording.notes])
-    return [_capital(sentence) for sentence in sentences]
+        sentences.append(f"Simulation and recording differ where {place.condition}{share}.")
+    return sentences
+
+
+def _to_know(result: DiagnosisResult) -> list[b.Section]:
+    """The next step and the first caution; the others folded."""
+    first, *rest = notes(result) or [""]
+    if not first:
+        return []
+    shown, more = ([first], rest) if not result.next_experiment else ([first, *rest[:1]], rest[1:])
+    folded = [b.Folded(f"{len(more)} more", [b.Items(more)])] if more else []
+    return [b.Section("Next step" if result.next_experiment else "To know besides", [b.Items(shown), *folded])]
+
+
+def _details(result: DiagnosisResult, seen: Curves) -> list[b.Block]:
+    """What is looked at on demand."""
+    told, found = result.attribution, list[b.Block]()
+    parts = [
+        (seen.before_title, seen.over_time()),
+        *([("Damping over amplitude", damping_section(result.damping).blocks)] if result.damping is not None else []),
+        *([("Every name of the catalogue, tried alone", evidence(result))] if result.evidence else []),
+        *([("What the best model leaves", left(result))] if result.remainder is not None else []),
+        *([("Whose mismatch it is", shares(told))] if told is not None else []),
+        *([("In the engines", _engines(result))] if result.engines else []),
+        *([("Rules that decided", _rules(result))] if result.rules else []),
+    ]
+    for title, blocks in parts:
+        found.append(b.Folded(title, blocks))
+    return found
 
 
 def index_page(answers: Sequence[Answer], folder: Path, command: str, fleet: FleetResult | None = None) -> b.Page:
@@ -240,89 +270,87 @@ def _units(result: DiagnosisResult) -> dict[str, str]:
     return {"x": "rad", "v": "rad/s", "a": "rad/s²"} if angular else {"x": "m", "v": "m/s", "a": "m/s²"}
 
 
-def _models(result: DiagnosisResult) -> b.Section:
-    reasons, units, noise = b.Reasons(), _units(result), result.recording.noise
-    parameters, channels = result.baseline.parameters, list(result.baseline.rmse)
-    fitted = channels if result.fit_percent else []
-    columns = [
-        *(b.Column(name, str, quantity(p)[2]) for name, p in parameters.items()),
-        b.Column("chi-square per point", str, "", "1 when only noise is left"),
-        *(b.Column(f"fit of {c}", str, "%", "100 (1 - |y - y_model| / |y - mean y|), NRMSE") for c in fitted),
-        *(b.Column(f"rmse of {c}", str, units.get(c, "")) for c in channels),
-    ]
-    rows = []
-    shares = [{}, {}] if result.fit_percent is None else [result.fit_percent.baseline, result.fit_percent.refined]
-    for fit, share, label in zip((result.baseline, result.refined), shares, model_names(result), strict=False):
-        cells = [b.measured(fit.parameters.get(name), reasons) for name in parameters]
-        cells += [b.Cell(number(fit.chi2_per_point, 4)), *(b.Cell(number(share.get(c), 4)) for c in fitted)]
-        rows.append(b.Row(label, [*cells, *(b.Cell(number(fit.rmse.get(c), 4)) for c in channels)]))
-    none = [b.Cell("")]
-    cells = [
-        *none * len(parameters),
-        b.Cell("1"),
-        *none * len(fitted),
-        *(b.Cell(_noise(noise.get(c))) for c in channels),
-    ]
-    rows.append(b.Row("noise", cells, "estimated from the data"))
+_SYMBOLS = {"omega_n": "ωₙ", "zeta": "ζ", "x_k": "xₖ", "f_k": "fₖ", "f_s": "fₛ", "v_s": "vₛ"}
+
+
+def _numbers(result: DiagnosisResult) -> b.Section:
+    """Both models and the noise in one table: what they have, what they leave, what they predict."""
+    reasons, units, noise, names = b.Reasons(), _units(result), result.recording.noise, model_names(result)
+    fits = (result.baseline, result.refined)[: len(names)]
+    percents = [{}, {}] if result.fit_percent is None else [result.fit_percent.baseline, result.fit_percent.refined]
+    held, rows = result.holdout, list[b.Row]()
+
+    def row(head: str, unit: str, cells: Sequence[b.Shown], last: b.Shown = "") -> None:
+        whole = [b.cell(one) for one in (*cells[: len(names)], last)]
+        rows.append(b.Row(f"{head}, {unit}" if unit else head, whole))
+
+    for name, p in result.baseline.parameters.items():
+        row(_SYMBOLS.get(name, name), quantity(p)[2], [b.measured(fit.parameters.get(name), reasons) for fit in fits])
+    in_it = {term.name for term in result.refined_model.terms}
+    for one in (m for m in result.mechanisms if m.name in in_it):
+        for name, p in one.parameters.items():
+            label = f"{_SYMBOLS.get(name, name)} ({one.name})"
+            row(label, quantity(p)[2], [NONE, b.measured(p, reasons)])
+    row("chi-square per point", "", [number(fit.chi2_per_point, 4) for fit in fits], "1")
+    for c in result.baseline.rmse:
+        unit, factor = SHOWN.get(units.get(c, ""), (units.get(c, ""), 1.0)) if c == "x" else (units.get(c, ""), 1.0)
+
+        def shown(y: float | None, factor: float = factor) -> str:
+            return number(None if y is None else factor * y, 3)
+
+        level = noise.get(c)
+        last = shown(level) if isinstance(level, float) else str(level or NONE)
+        if result.fit_percent is not None:
+            row(f"fit of {c} (NRMSE)", "%", [number(percent.get(c), 4) for percent in percents])
+        row(f"rmse of {c}", unit, [shown(fit.rmse.get(c)) for fit in fits], last)
+        if held.spans_s and c in held.baseline_rmse:
+            values = [shown(one.get(c)) for one in (held.baseline_rmse, held.refined_rmse)]
+            row(f"rmse of {c}, held out", unit, values, last)
+    columns = [b.Column(name, str) for name in (*names, "noise")]
     caption = "Below each value: one standard error."
-    return b.Section("Fit before and after", [b.Table("model", columns, rows, caption, "", reasons.footnotes)])
-
-
-def _mechanisms(result: DiagnosisResult) -> b.Section:
-    """How much of what is missing each is, how it predicts, what else it could be; then its parameters."""
-    columns = [
-        b.Column("grade", lambda one: _GRADES[one.grade]),
-        b.Column("P", lambda one: number(one.probability, 2), "", "probability of being what is missing"),
-        b.Column(
-            "share of the misfit",
-            lambda one: number(None if one.share is None else 100.0 * one.share, 3),
-            "%",
-            "of the mean square beyond noise that it takes off alone",
-        ),
-        b.Column(
-            "held-out error",
-            lambda one: _ratios(one.holdout),
-            "after / before",
-            "blocks of cycles that took no part in the fit",
-        ),
-        b.Column(
-            "free-run error",
-            lambda one: _ratios(one.forward),
-            "after / before",
-            "the last 40 %, from a fit of the first 60 %",
-        ),
-        b.Column("not ruled out", _others, "worse by, BIC"),
-    ]
-    steady = result.recording.speeds is not None
-    graded = b.tabulated("mechanism", columns, result.mechanisms, lambda one: one.name, lambda one: one.family)
     return b.Section(
-        "What was left out",
-        [graded, *(_parameters(one, steady) for one in result.mechanisms)],
+        "Model and numbers",
+        [b.Table("", columns, rows, caption, "", reasons.footnotes), *([_held_out(result)] if held.spans_s else [])],
     )
+
+
+def _held_out(result: DiagnosisResult) -> b.Text:
+    """What took no part in a fit."""
+    held = result.holdout
+    spans = ", ".join(f"{low:.4g} to {high:.4g} s" for low, high in held.spans_s[:_MOST_SPANS])
+    more = f" and {len(held.spans_s) - _MOST_SPANS} more" if len(held.spans_s) > _MOST_SPANS else ""
+    graded = any(one.holdout is not None for one in result.mechanisms)
+    what = "each of these blocks of cycles" if graded else "every second full period"
+    caption = f"Held out: {what}, predicted by a fit to the rest ({spans}{more}). Terms were chosen on the whole."
+    if held.given:
+        caption += f" Given, not predicted: {', '.join(held.given)}."
+    return b.Text(caption, "table-caption")
+
+
+def _evidence(result: DiagnosisResult) -> b.Section:
+    """How likely each name is, and what speaks for it."""
+    blocks: list[b.Block] = [probabilities(result)] if len(result.posterior) > 1 else []
+    if result.mechanisms:
+        asked: list[tuple[str, Callable[[MechanismResult], b.Shown]]] = [
+            ("grade", lambda one: _GRADES[one.grade]),
+            ("probability", lambda one: number(one.probability, 2)),
+            ("share of the misfit, %", lambda one: number(None if one.share is None else 100.0 * one.share, 3)),
+            ("held-out error, after / before", lambda one: _ratios(one.holdout)),
+            ("free-run error, after / before", lambda one: _ratios(one.forward)),
+            ("BIC lost without it", lambda one: number(one.delta_bic, 4)),
+            ("not ruled out (BIC)", _others),
+        ]
+        rows = [(head, [b.cell(of(one)) for one in result.mechanisms]) for head, of in asked]
+        columns = [b.Column(one.name, str) for one in result.mechanisms]
+        kept = [b.Row(head, cells) for head, cells in rows if any(cell.text != NONE for cell in cells)]
+        caption = "Free run: the last 40 %, from a fit of the first 60 %."
+        blocks.append(b.Table("", columns, kept, caption if any(one.forward for one in result.mechanisms) else ""))
+    return b.Section("Evidence", blocks)
 
 
 def _others(one: MechanismResult) -> b.Cell:
     found = [f"{a.name} ({number(a.delta_bic, 2)})" for a in one.alternatives]
     return b.lines(found or [NONE])
-
-
-def _parameters(one: MechanismResult, steady: bool) -> b.Table:
-    reasons = b.Reasons()
-    spans, place = [] if steady else one.where.time_s, one.where
-    when = f", {number(spans[0][0], 4)} to {number(spans[-1][1], 4)} s" if spans else ""
-    many = f" in {len(spans)} spans" if len(spans) > 1 else ""
-    columns = [
-        *(
-            b.Column(name, b.by(p, lambda _, p: b.measured(p, reasons)), quantity(p)[2])
-            for name, p in one.parameters.items()
-        ),
-        b.Column("evidence", lambda one: one.delta_bic, "BIC", "what BIC loses without it"),
-        b.Column("acts", lambda _: b.Cell(place.condition, [f"{place.regime}{when}{many}"])),
-    ]
-    caption = one.statement.replace("+-", "\u00b1")
-    return b.tabulated(
-        "mechanism", columns, [one], lambda one: one.name, lambda one: one.family, reasons=reasons, caption=caption
-    )
 
 
 def _ratios(found: PredictionResult | None) -> b.Cell:
@@ -333,50 +361,18 @@ def _ratios(found: PredictionResult | None) -> b.Cell:
     return b.Cell(number(found.ratio, 2), notes)
 
 
-def _heldout(result: DiagnosisResult) -> b.Section:
-    """Prediction of samples left out of the fits."""
-    held, units, noise = result.holdout, _units(result), result.recording.noise
-    title = "Prediction of what was held out"
-    if not held.spans_s:
-        return b.Section(title, b.or_nothing([]))
-    columns = [
-        b.Column("rmse before", lambda c: held.baseline_rmse[c]),
-        b.Column("rmse after", held.refined_rmse.get),
-        b.Column("after over before", lambda c: number(_over(held.refined_rmse.get(c), held.baseline_rmse[c]), 3)),
-        b.Column("noise", lambda c: _noise(noise.get(c))),
-    ]
-    spans = ", ".join(f"{low:.4g} to {high:.4g} s" for low, high in held.spans_s[:_MOST_SPANS])
-    more = f" and {len(held.spans_s) - _MOST_SPANS} more" if len(held.spans_s) > _MOST_SPANS else ""
-    graded = any(one.holdout is not None for one in result.mechanisms)
-    what = "Each of these blocks of cycles" if graded else "Every second full period"
-    caption = (
-        f"{what} took no part in {'the fit that predicts it' if graded else 'these fits'} ({spans}{more}); the "
-        "trajectory runs through. Which terms the model has was chosen on the whole recording."
-    )
-    if held.given:
-        caption += f" Given, not predicted: {', '.join(held.given)}."
-    table = b.tabulated("channel", columns, list(held.baseline_rmse), str, lambda c: units.get(c, ""), caption=caption)
-    return b.Section(title, [table])
-
-
-def _over(after: float | None, before: float) -> float | None:
-    return None if after is None or not before else after / before
-
-
-def _rules(result: DiagnosisResult) -> b.Section:
-    """Numbers that moved the verdict, folded."""
+def _rules(result: DiagnosisResult) -> list[b.Block]:
+    """Numbers that moved the verdict."""
     columns = [
         b.Column("value", lambda rule: rule.value),
         b.Column("unit", lambda rule: rule.unit),
         b.Column("origin", lambda rule: b.Cell("", [rule.origin])),
     ]
     table = b.tabulated("rule", columns, result.rules, lambda rule: rule.name)
-    return b.Section(
-        "Rules that decided", [b.Folded(f"{len(result.rules)} rules with their values and origins", [table])]
-    )
+    return [table]
 
 
-def _engines(result: DiagnosisResult) -> b.Section:
+def _engines(result: DiagnosisResult) -> list[b.Block]:
     units, channels = _units(result), list(result.baseline.rmse)
     columns = []
     for c in channels:
@@ -399,4 +395,4 @@ def _engines(result: DiagnosisResult) -> b.Section:
     blocks: list[b.Block] = [b.Table("engine", columns, rows, _ENGINES), b.Cards(cards)]
     if result.model_left_out:
         blocks.append(b.Items(result.model_left_out, "What the exported MJCF and URDF cannot say"))
-    return b.Section("In the engines", blocks)
+    return blocks

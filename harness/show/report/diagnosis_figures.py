@@ -171,25 +171,29 @@ class Curves:
             figures.append(Figure(f"channel-{c}", traces, self.layout(label, unit), caption, GROUP, 320, self.times))
         return figures
 
-    def before(self) -> Section:
-        """The same, with a bar of zooms."""
+    @property
+    def before_title(self) -> str:
+        """What ``over_time`` draws."""
+        return "Table against model" if self.recording.steady else "Recording against simulation"
+
+    def residual_section(self) -> Section:
+        """What both models leave, with a bar of zooms."""
         if self.recording.steady:
-            return Section("Table against model", self.over_time())
+            return Section("Residual by speed", self.residuals())
         bar: list[Block] = [zoom(self.times.tolist(), self.recording.duration)]
-        return Section("Recording against simulation", [*bar, *self.over_time()])
+        return Section("Residual, before and after" if len(self.models) > 1 else "Residual", [*bar, *self.residuals()])
 
     def residuals(self) -> list[Figure]:
         """Recording minus simulation over time, before and after, with the noise."""
-        figures, last = [], len(self.models) - 1
+        figures = []
         for c in self.channels:
-            label, unit, factor = self.words(c)
+            _, unit, factor = self.words(c)
             traces = []
-            for i, (said, color, model) in enumerate(self.models):
-                name = f"remainder, {said}" if i == last and self.result.remainder is not None else said
+            for said, color, model in self.models:
                 y = self.residual(model, c)[self.free] * factor
-                traces.append(curve(name, self.along[self.free], y, color, unit, 1.2))
+                traces.append(curve(said, self.along[self.free], y, color, unit, 1.2))
             caption, band = left_by("simulation", self.result.recording.noise.get(c), unit, factor)
-            layout = self.layout(f"residual of {label}", unit, band)
+            layout = self.layout(f"residual of {c}", unit, band)
             figures.append(Figure(f"residual-{c}", traces, layout, caption, GROUP, 260, self.times))
         return figures
 
@@ -200,8 +204,11 @@ class Curves:
         layout = axes(f"{place} / {unit}", f"{speed} / ({by})")
         return Figure("motion", [orbit(line, best.t, best.x * factor, best.v)], layout, around=self.times)
 
-    def phase_plane(self) -> Section:
-        """The residual where it happens: along the motion in the plane of position and speed, before and after."""
+    def phase_plane(self, places: Sequence[str]) -> Section:
+        """The residual where it happens: along the motion in the plane of position and speed, before and after.
+
+        places : where that is, in sentences.
+        """
         name = "a" if "a" in self.channels else self.channels[0]
         label, unit, factor = self.words(name)
         (position, length, scale), (speed, by, _) = self.words("x"), self.words("v")
@@ -214,8 +221,8 @@ class Curves:
         traces, layout = [], dict[str, Any]({"showlegend": False, "annotations": []})
         for i, ((said, _, _), residual) in enumerate(zip(self.models, residuals, strict=True)):
             own = "" if i == 0 else str(i + 1)
-            low = 0.53 * i
-            high = low + (0.47 if len(self.models) > 1 else 1.0)
+            low = 0.515 * i
+            high = low + (0.485 if len(self.models) > 1 else 1.0)
             marker = {
                 "size": 5,
                 "color": residual,
@@ -230,11 +237,24 @@ class Curves:
             where = {"xaxis": f"x{own}", "yaxis": f"y{own}", "meta": {"curve": False}}
             traces.append(dots(said, best.x[at] * scale, best.v[at], marker, hover, text=text, **where))
             layout[f"xaxis{own}"] = {"title": {"text": f"{position} / {length}"}, "domain": [low, high]}
-            layout[f"yaxis{own}"] = {"title": {"text": f"{speed} / ({by})"}, "anchor": f"x{own}"}
+            # both have one scale, which stands on the left
+            side = {"title": {"text": f"{speed} / ({by})"}} if i == 0 else {"matches": "y", "showticklabels": False}
+            layout[f"yaxis{own}"] = {"anchor": f"x{own}", **side}
             place = {"xref": "paper", "yref": "paper", "x": low, "y": 1.0, "xanchor": "left", "yanchor": "bottom"}
             layout["annotations"].append({"text": said, "showarrow": False, **place})
         caption = f"Residual of {label} along the motion, in one scale of colours."
-        return Section("Residual over the phase plane", [Figure("plane", traces, layout, caption, "", 430)])
+        title = "Where it acts" if len(self.models) > 1 else "Where the residual is"
+        return Section(title, [Figure("plane", traces, layout, " ".join([caption, *places]), "", 430)])
+
+
+def probabilities(result: DiagnosisResult) -> Figure:
+    """What may be missing, and how likely that is."""
+    none = "nothing" if result.verdict == "adequate" else "none of these"
+    labels = [" and ".join(one.names) or none for one in result.posterior]
+    chosen = {mechanism.name for mechanism in result.mechanisms}
+    colors = [AFTER if chosen.intersection(one.names) else _GREY for one in result.posterior]
+    percent = [100.0 * one.probability for one in result.posterior]
+    return _percents("posterior", labels, percent, colors, "probability that it is missing / %", "")
 
 
 def nameless(result: DiagnosisResult) -> Section:
@@ -314,9 +334,8 @@ def _percents(
     return Figure(name, [trace], layout, caption, "", 110 + 30 * len(labels))
 
 
-def evidence(result: DiagnosisResult) -> Section:
+def evidence(result: DiagnosisResult) -> list[Block]:
     """Every name of the catalogue, tried alone."""
-    title = "Evidence over the catalogue"
     chosen = {mechanism.name for mechanism in result.mechanisms}
     looks = {one.name: AFTER if one.name in chosen else _GREY for one in result.evidence}
     tried = "Each catalogue name tried alone against viscous and Coulomb friction"
@@ -327,14 +346,14 @@ def evidence(result: DiagnosisResult) -> Section:
         names, percent = [one.name for one in ordered], [100.0 * (one.share or 0.0) for one in ordered]
         caption = f"{tried}: share of the mean square misfit beyond noise that it takes off. Blue: named."
         colors = [looks[name] for name in names]
-        return Section(title, [_percents("evidence", names, percent, colors, "share of the misfit / %", caption)])
+        return [_percents("evidence", names, percent, colors, "share of the misfit / %", caption)]
     best = sorted(result.evidence, key=lambda one: one.delta_bic)[::-1]
     better = [one for one in best if one.delta_bic > 1.0]
     others = [one.name for one in best if one.delta_bic <= 1.0]
     none = f" No better than the base model alone: {', '.join(others)}." if others else ""
     if not better:
         said = f"No catalogue name does better than the base model.{none}"
-        return Section(title, [Text(said)])
+        return [Text(said)]
     names, gains = [one.name for one in better], [one.delta_bic for one in better]
     text = [f"{gain:.0f}" for gain in gains]
     trace, layout = bars(names, gains, [looks[name] for name in names], text, "%{x:.5g}")
@@ -344,10 +363,10 @@ def evidence(result: DiagnosisResult) -> Section:
         f"{tried}; 10 is decisive. Blue: in the refined model. With two effects, a name that explains neither alone can"
         f" still do well here.{none}"
     )
-    return Section(title, [Figure("evidence", [trace], layout, caption, "", 110 + 24 * len(better))])
+    return [Figure("evidence", [trace], layout, caption, "", 110 + 24 * len(better))]
 
 
-def left(result: DiagnosisResult) -> Section:
+def left(result: DiagnosisResult) -> list[Block]:
     """What the best model found leaves."""
     rest = result.remainder
     assert rest is not None
@@ -363,10 +382,10 @@ def left(result: DiagnosisResult) -> Section:
     )
     colors, title = [_OCHRE] * len(percent), "share of the residual / %"
     figure = _percents("remainder", list(_DEPENDS.values()), percent, colors, title, caption)
-    return Section("What is left", [Text(sentence), figure])
+    return [Text(sentence), figure]
 
 
-def shares(found: AttributionResult) -> Section:
+def shares(found: AttributionResult) -> list[Block]:
     """Whose mismatch it is."""
     stderr = found.stderr or {}
     names = [n for n in _PARTS if getattr(found, n) is not None and not (n == "engine" and found.why)]
@@ -397,4 +416,4 @@ def shares(found: AttributionResult) -> Section:
         " of another."
     )
     table = tabulated("part", columns, names, lambda name: called[name], caption=note)
-    return Section("Whose mismatch it is", [figure, Folded("As Shapley values", [table])])
+    return [figure, Folded("As Shapley values", [table])]

@@ -45,7 +45,7 @@ def diagnosis_scene(
         looks = {_APART: ("they part", BEFORE), _ELSEWHERE: ("elsewhere", "#3a414b")}
         states = lane(spans, float(recording.t[0]), float(recording.t[-1]))
         lanes.append(s.Lanes("where they part", [s.Lane("where", *states, looks)]))
-    shares = [*[2.0] * len(curves), *[0.5] * len(lanes), *[1.4] * len(rests)]
+    shares = [*[1.4] * len(rests), *[0.5] * len(lanes), *[2.0] * len(curves)]
     verdict = s.Words("verdict", notes)
     plane = [] if recording.steady else [seen.orbit()]
     side: list[s.Layout] = [verdict, *plane]
@@ -55,7 +55,7 @@ def diagnosis_scene(
             s.Tabs([verdict, *torque_tabs(result, robot), *plane]),
         ]
     name = f"diagnosis of {recording.file.rpartition('/')[2]}"
-    layout = s.Columns([s.Rows([*curves, *lanes, *rests], shares), s.Rows(side)], [3.0, 2.0])
+    layout = s.Columns([s.Rows([*rests, *lanes, *curves], shares), s.Rows(side)], [3.0, 2.0])
     parts: dict[str, Sequence[Trajectory | Recording]] = {"trajectory": simulated, "recording": [recording]}
     return s.of_result(name, layout, result, notes, parts | ({} if robot is None else parts_of(robot)))
 

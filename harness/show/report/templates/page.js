@@ -62,6 +62,10 @@
   // what is folded on the screen is printed
   window.addEventListener("beforeprint", () => document.querySelectorAll("details").forEach((one) => { one.open = true; }));
 
+  // a plot is as wide as its place, which has no width while it is folded
+  const wide = (one) => one.querySelectorAll(".plot").forEach((plot) => { if (plot.dataset.drawn) Plotly.Plots.resize(plot); });
+  document.querySelectorAll("details").forEach((one) => one.addEventListener("toggle", () => { if (one.open) wide(one); }));
+
   // y range of what is visible between low and high, and whether single samples can be told apart
   function look(plot, low, high) {
     let bottom = Infinity, top = -Infinity;

@@ -1,0 +1,59 @@
+"""The law that was found beside the recording: force over what it depends on."""
+
+from typing import Any
+
+import numpy as np
+
+from harness.core.arrays import FloatArray
+from harness.results.diagnosis import DiagnosisResult, SeenLawResult
+from harness.show.blocks import Figure, Items, Section
+from harness.show.numbers import SHOWN
+from harness.show.plots import axes, dots, per, plain
+from harness.show.report.diagnosis_figures import AFTER, BEFORE, model_names
+
+_ERRORS = 2.0
+"""Standard errors of a bar."""
+_OF = {
+    "v": ("speed", "friction and damping", "all friction and damping"),
+    "x": ("position", "force beyond the spring", "what the refined model's spring is not"),
+    "t": ("time", "force", "what acts besides the slider's own forces"),
+}
+_LEVEL = "level of dry friction"
+
+
+def law_section(result: DiagnosisResult) -> Section:
+    """A plot for each thing that the laws depend on, and what each law says."""
+    said = [one.statement.replace("+-", "\u00b1") for one in result.mechanisms]
+    return Section("The law", [*(_figure(i, law, result) for i, law in enumerate(result.laws)), Items(said)])
+
+
+def _figure(number: int, law: SeenLawResult, result: DiagnosisResult) -> Figure:
+    over, label, what = _OF[law.over]
+    label, what = (_LEVEL, "the level of dry friction") if law.level else (label, what)
+    # as pages have it, a length in mm and a speed in m/s
+    unit, factor = SHOWN.get(law.at_unit, (law.at_unit, 1.0)) if law.over == "x" else (law.at_unit, 1.0)
+    at, seen = factor * np.array(law.at), np.array(law.seen)
+    bars = {"type": "data", "array": _ERRORS * np.array(law.stderr), "thickness": 1.2, "width": 0, "color": "ink"}
+    hover = f"%{{y:.4g}} at %{{x:.4g}} {unit}<extra></extra>"
+    base, refined = model_names(result)
+    lines: list[dict[str, Any]] = [
+        plain(name, *_broken(at, np.array(y), law.over), color, 2.2, hovertemplate=hover)
+        for name, y, color in ((base, law.base, BEFORE), (refined, law.fitted, AFTER))
+    ]
+    points = dots("recording", at, seen, {"color": "ink", "size": 6}, hover, error_y=bars)
+    caption = (
+        f"Points: {what} as the recording shows it, with two standard errors. Lines: the law that was found, and"
+        " viscous and Coulomb friction alone."
+    )
+    names = f"{over} / {per(unit)}", f"{label} / {per(law.force_unit)}"
+    return Figure(
+        f"law-{number}", [*lines, points], axes(*names, showlegend=True, hovermode="closest"), caption, "", 380
+    )
+
+
+def _broken(at: FloatArray, y: FloatArray, over: str) -> tuple[FloatArray, FloatArray]:
+    """A line over speeds has no value where it jumps."""
+    turn = int(np.searchsorted(at, 0.0))
+    if over != "v" or turn in (0, at.size):
+        return at, y
+    return np.insert(at, turn, 0.0), np.insert(y, turn, np.nan)
