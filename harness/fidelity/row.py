@@ -76,9 +76,13 @@ class Spec:
         changed = ",".join(f"{name}={_short(value)}" for name, value in self.changed)
         step = "own" if self.dt is None else f"{self.dt:g}"
         slider = f"slider-{self.draw}" if self.draw else ""
-        engine = f"{self.engine.partition('@')[0]}@{self.version}" + (f"({self.place})" if self.place else "")
-        parts = (engine, self.route, self.preset, changed, f"dt={step}", self.scenario.name, slider)
+        parts = (self.label, self.route, self.preset, changed, f"dt={step}", self.scenario.name, slider)
         return "/".join(filter(None, parts))
+
+    @property
+    def label(self) -> str:
+        """Engine, version and place, which a name begins with; as Engine.label."""
+        return f"{self.engine.partition('@')[0]}@{self.version}" + (f"({self.place})" if self.place else "")
 
     @property
     def key(self) -> str:

@@ -27,8 +27,6 @@ from harness.fidelity.row import Spec, run_row
 from harness.results.generate import schema_text
 from harness.results.sweep import RegressResult
 
-pytest_plugins = ["pytester"]
-
 PUBLISHED = Path(__file__).resolve().parents[2] / "reports" / "fidelity" / "baseline.json"
 ONE = SweepOptions(("mujoco",), ("joint",), short=True, jobs=1)
 
@@ -218,13 +216,6 @@ def test_bad_baselines(content: str | None, message: str, tmp_path: Path) -> Non
         path.write_text(content)
     with pytest.raises(InputError, match=message):
         room.load_baseline(path)
-
-
-def test_plugin(pytester: pytest.Pytester, fresh: room.Rows, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(room, "fresh_rows", lambda options: {n: r for n, r in fresh.items() if n.startswith("mujoco")})
-    pytester.makepyfile("def test_friction(friction_regressions):\n    assert friction_regressions('mujoco') == []\n")
-    done = pytester.runpytest_inprocess("-p", "harness.app.pytest_friction", f"--friction-baseline={PUBLISHED}", "-q")
-    done.assert_outcomes(passed=1)
 
 
 def metrics(engine: str, route: Route, base: Preset, dt: float | None, scenario: str, **changed: object) -> Metrics:

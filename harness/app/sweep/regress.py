@@ -107,7 +107,8 @@ def by_version(rows: Rows) -> dict[Version, Rows]:
     return found
 
 
-def _held(path: Path) -> dict[Version, Rows]:
+def held(path: Path) -> dict[Version, Rows]:
+    """Rows of a baseline by engine and version. Raises InputError for what is none."""
     return by_version({name: row.model_dump() for name, row in load_baseline(path).rows.items()})
 
 
@@ -122,18 +123,23 @@ def against(held: Mapping[Version, Rows], fresh: Rows, pairs: Mapping[Version, V
     return found
 
 
+def known_rows(held: Mapping[Version, Rows], labels: Mapping[Version, str]) -> Rows:
+    """Rows of these versions by their whole names. labels : what a name begins with, by version."""
+    return {f"{label}/{rest}": row for of, label in labels.items() for rest, row in held.get(of, {}).items()}
+
+
 def compared(path: Path, rows: Rows, options: SweepOptions) -> RegressResult:
     """Rows of a fresh sweep against the baseline, version against the same version or, without one, the newest.
 
     Rows that only the baseline has are missing, unless the options leave them out or their version was not run.
     """
-    held = _held(path)
-    before = against(held, rows)
+    known = held(path)
+    before = against(known, rows)
     if not (options.short or options.presets or options.steps or options.routes):
         labels = {version_of(row): name.partition("/")[0] for name, row in rows.items()}
-        every = {f"{label}/{rest}": row for of, label in labels.items() for rest, row in held.get(of, {}).items()}
+        every = known_rows(known, labels)
         before |= {name: row for name, row in every.items() if name not in rows and options.rows.runs(name)}
-    absent = {engine for engine, _, _ in held} - {row["engine"] for row in rows.values()}
+    absent = {engine for engine, _, _ in known} - {row["engine"] for row in rows.values()}
     missing = {} if options.engines else registry.available()
     not_run = sorted(absent & {name for name, why in missing.items() if why is not None})
     if options.rows == Selection():
@@ -187,7 +193,7 @@ def compared_traces(folder: Path, baseline: Path | None, rows: Selection | None 
     found = {row["name"]: (row, stored) for row, stored in map(recomputed, files) if rows.runs(row["name"])}
     if baseline is not None:
         after = {name: kept(row) for name, (row, _) in found.items()}
-        return _result(str(baseline), against(_held(baseline), after), after, [], rows, found)
+        return _result(str(baseline), against(held(baseline), after), after, [], rows, found)
     moved = []
     for name, (row, stored) in found.items():
         for metric in dict.fromkeys([*stored, *row["metrics"]]):
