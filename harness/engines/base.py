@@ -5,7 +5,7 @@ Forces that no engine has by nature: laws given as compiled functions, driving f
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, ClassVar, Literal, TypeAlias, get_args
@@ -14,7 +14,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.checks import finite, increasing, positive, vector
-from harness.core.errors import InputError, SimulationError, did_you_mean
+from harness.core.errors import HarnessError, InputError, SimulationError, did_you_mean
 from harness.core.registered import version
 from harness.core.scenario import Body, Scenario
 from harness.core.trajectory import Trajectory
@@ -162,8 +162,8 @@ class Engine(ABC):
     name : as in the entry point. package : what is installed of it, whose version it has. routes : those the engine
     has; the others are refused with a SimulationError. bodies : whether it has bodies with six freedoms, on the contact
     route. native : kinds of elements that its joint has words for; a term made of those needs no law. calls : whether
-    something can be called within its steps, as force laws and a pendulum are. place : name of the environment it runs
-    in, empty for that of this process.
+    something can be called within its steps, as force laws and a pendulum are. batches : whether it runs many tasks at
+    once. place : name of the environment it runs in, empty for that of this process.
     """
 
     name: ClassVar[str]
@@ -172,6 +172,7 @@ class Engine(ABC):
     bodies: ClassVar[bool] = False
     native: ClassVar[Kinds] = frozenset()
     calls: ClassVar[bool] = True
+    batches: ClassVar[bool] = False
     place: ClassVar[str] = ""
 
     def version(self) -> str:
@@ -199,6 +200,16 @@ class Engine(ABC):
         honour. Raises InputError for settings that do not exist, SimulationError (with the reason) for what the engine
         cannot do or a run that diverged.
         """
+
+    def simulate_all(self, tasks: Sequence[Task]) -> list[Trajectory | HarnessError]:
+        """Run many tasks; one that fails is its error, in its place. What ran at once shares its wall time."""
+        found: list[Trajectory | HarnessError] = []
+        for task in tasks:
+            try:
+                found.append(self.simulate(task))
+            except HarnessError as error:
+                found.append(error)
+        return found
 
 
 def resolve(engine: Engine, task: Task) -> dict[str, Any]:

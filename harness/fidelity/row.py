@@ -3,7 +3,7 @@
 import hashlib
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -98,16 +98,42 @@ class Spec:
         return hashlib.sha256(json.dumps(about, sort_keys=True).encode()).hexdigest()[:16]
 
 
-def run_row(engine: Engine, spec: Spec) -> SweepRow:
-    """Simulate and measure; whatever goes wrong becomes the row's ``error``."""
+@dataclass(frozen=True, slots=True)
+class Bundle:
+    """Rows of one engine that are run at once."""
+
+    specs: tuple[Spec, ...]
+
+    @property
+    def key(self) -> str:
+        return self.specs[0].key
+
+
+def run_rows(engine: Engine, specs: Sequence[Spec]) -> list[SweepRow]:
+    """Simulate at once and measure; whatever goes wrong becomes the ``error`` of a row."""
     try:
-        trace = engine.simulate(task(spec))
-        metrics = measure_row(trace, spec.scenario)
-        return succeeded(spec, trace, metrics)
-    except HarnessError as error:
-        return failed(spec, str(error))
+        traces = engine.simulate_all([task(spec) for spec in specs])
+    except Exception as error:  # one bundle never stops the others
+        return [failed(spec, _reason(error)) for spec in specs]
+    return [_measured(spec, trace) for spec, trace in zip(specs, traces, strict=True)]
+
+
+def run_row(engine: Engine, spec: Spec) -> SweepRow:
+    """The same for one."""
+    return run_rows(engine, [spec])[0]
+
+
+def _measured(spec: Spec, trace: Trajectory | HarnessError) -> SweepRow:
+    if isinstance(trace, HarnessError):
+        return failed(spec, _reason(trace))
+    try:
+        return succeeded(spec, trace, measure_row(trace, spec.scenario))
     except Exception as error:  # one row never stops the others
-        return failed(spec, f"internal error, {type(error).__name__}: {error}")
+        return failed(spec, _reason(error))
+
+
+def _reason(error: Exception) -> str:
+    return str(error) if isinstance(error, HarnessError) else f"internal error, {type(error).__name__}: {error}"
 
 
 def task(spec: Spec) -> Task:

@@ -16,6 +16,7 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.core.scenario import Belt, Harmonic, Scenario
 from harness.core.slider import Slider
+from harness.core.trajectory import Trajectory
 from harness.engines.base import Task
 from harness.fidelity.laws import line_search_creep
 from harness.fidelity.matrix import GPU, TRAINED, Matrix
@@ -125,6 +126,25 @@ def test_it_drops_polynomials_yield_noslip_and_what_a_motor_adds_without_a_word(
 def test_it_locks_a_joint_whose_friction_becomes_nothing_at_run_time(moved: Any) -> None:
     assert abs(moved(0.0)[-1]) < 1e-3
     assert moved(1e-9)[-1] == pytest.approx(0.5 * 1.5 * 0.4**2, rel=0.01)
+
+
+def test_many_at_once_move_as_each_alone_and_what_cannot_run_says_so_in_its_place() -> None:
+    random = np.random.default_rng(8)
+    tasks: list[Task] = []
+    for _ in range(4):
+        slider = Slider(*(float(one) for one in random.uniform((0.3, 0.2, 60.0, 1.0), (3.0, 2.0, 140.0, 4.0))))
+        scenario = decay(slider, 1.0, float(random.uniform(0.3, 0.9)))
+        tasks.append(Task(scenario, "joint", "as-shipped", settings={"precision": 64}))
+    tasks.insert(2, Task(decay(), "joint", restoring="pendulum"))
+    tasks.insert(4, Task(decay(Slider(1.0, 1.0, 100.0, 0.0), 1.0, 0.4), "joint", "as-shipped"))
+    found = engine("mjx").simulate_all(tasks)
+    assert isinstance(found[2], SimulationError)
+    for task, one in zip(tasks, found, strict=True):
+        if one is not found[2]:
+            assert isinstance(one, Trajectory)
+            alone = engine("mjx").simulate(task)
+            assert one.t.size == alone.t.size
+            assert np.abs(one.x - alone.x).max() < 1e-12
 
 
 def creep(slider: Slider, speed: float, iterations: int, ls_iterations: int, precision: int) -> float:

@@ -11,7 +11,7 @@ from concurrent.futures import Future
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, ClassVar, final
 
 import pytest
 import sweep_deaths
@@ -23,11 +23,15 @@ import harness
 from harness.app.shared.pool import Cluster, LocalPool
 from harness.app.shared.rows import completed
 from harness.app.sweep import sweep as room
-from harness.app.sweep.parts import Parts, failed_row
+from harness.app.sweep.parts import Parts, computed, failed_row
 from harness.app.sweep.sweep import SweepOptions, sweep
 from harness.cli.main import run
-from harness.core.errors import HarnessError, StoreError
+from harness.core.errors import HarnessError, SimulationError, StoreError
+from harness.core.trajectory import Trajectory
 from harness.core.writing import explained
+from harness.engines import registry
+from harness.engines.base import Engine, Preset, Route, Task
+from harness.fidelity.row import run_rows
 from harness.results.generate import schema_text
 from harness.results.sweep import SweepResult, SweepRow
 
@@ -58,6 +62,42 @@ def test_every_row_once_and_all_of_them_right(swept: room.Sweep) -> None:
     assert len(expected) == SMALL.matrix.size(engines)
     for row in rows:
         SweepRow.model_validate(row)
+
+
+@final
+class AtOnce(Engine):
+    """Runs many at once, if it ran at all."""
+
+    name: ClassVar[str] = "mujoco"
+    package: ClassVar[str] = "mujoco"
+    batches: ClassVar[bool] = True
+
+    def presets(self, route: Route, preset: Preset, dt: float | None = None) -> dict[str, Any]:
+        return {}
+
+    def simulate(self, task: Task) -> Trajectory:
+        raise SimulationError("never")
+
+
+def test_rows_that_differ_in_their_slider_alone_go_together_to_an_engine_that_runs_many_at_once() -> None:
+    for engine, sizes in ((AtOnce(), {3}), (registry.load("mujoco"), {1})):
+        options = SweepOptions(("mujoco",), ("joint",), short=True, sliders=2)
+        specs = list(options.matrix.specs({"mujoco": engine}))
+        bundles = list(room.bundled(iter(specs), {"mujoco": engine}, options))
+        assert {len(bundle.specs) for bundle in bundles} == sizes
+        assert Counter(spec.key for bundle in bundles for spec in bundle.specs) == Counter(spec.key for spec in specs)
+        for bundle in bundles:
+            assert len({replace(spec, draw=0, scenario=specs[0].scenario).name for spec in bundle.specs}) == 1
+            assert len({spec.scenario.name for spec in bundle.specs}) == 1
+
+
+def test_what_fails_at_once_is_a_row_that_says_so() -> None:
+    options = SweepOptions(("mujoco",), ("joint",), short=True, sliders=2)
+    bundle = next(room.bundled(options.matrix.specs({"mujoco": AtOnce()}), {"mujoco": AtOnce()}, options))
+    assert [row.error for row in run_rows(AtOnce(), bundle.specs)] == ["never"] * 3
+    rows = computed(bundle)
+    assert [row["key"] for row in rows] == [spec.key for spec in bundle.specs]
+    assert all(row["error"] is None for row in rows)
 
 
 def test_json_is_streamed_and_obeys_the_schema(swept: room.Sweep) -> None:

@@ -87,11 +87,12 @@ def worked(
     cluster: str | None = None,
     idle: tuple[float, Callable[[], None]] | None = None,
     chances: int = CHANCES,
+    rows_of: Callable[[Row], int] = lambda row: 1,
 ) -> Iterator[Iterator[Row]]:
     """Rows of tasks as they are done, by processes here or a dask scheduler, which are let go when the block ends.
 
     what : as progress says it. count : rows there are already, and rows there will be. jobs : processes, None for one a
-    core, never more than there are tasks. The rest as in ``completed``.
+    core, never more than there are tasks. rows_of : how many rows a task gave. The rest as in ``completed``.
     """
     had, total = count
     wanted = max(1, min(jobs or cores(), total - had))
@@ -99,8 +100,10 @@ def worked(
 
     def rows() -> Iterator[Row]:
         progress(what, had, total)
-        for done, one in enumerate(completed(tasks, workers, compute, failed, idle, chances), had + 1):
+        done = had
+        for one in completed(tasks, workers, compute, failed, idle, chances):
             yield one
+            done += rows_of(one)
             progress(what, done, total)
 
     try:

@@ -3,7 +3,7 @@
 import json
 import os
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,7 @@ from typing import Any
 from harness.core.errors import HarnessError, StoreError
 from harness.core.writing import explained, replacing, sweep
 from harness.engines.registry import load
-from harness.fidelity.row import Spec, failed, run_row
+from harness.fidelity.row import Bundle, Spec, failed, run_row, run_rows
 
 _load = cache(load)
 _one_at_a_time = threading.Lock()
@@ -29,6 +29,21 @@ def compute(spec: Spec) -> dict[str, Any]:
         if found != spec.version:
             return failed(spec, f"this worker has {spec.engine} {found}, not {spec.version}").model_dump()
         return run_row(engine, spec).model_dump()
+
+
+def computed(bundle: Bundle, one: Callable[[Spec], dict[str, Any]] = compute) -> list[dict[str, Any]]:
+    """The rows of a bundle; ``one`` makes that of a single spec."""
+    if len(bundle.specs) == 1:
+        return [one(bundle.specs[0])]
+    with _one_at_a_time:
+        try:
+            return [row.model_dump() for row in run_rows(_load(bundle.specs[0].engine), bundle.specs)]
+        except HarnessError as error:
+            return lost(bundle, str(error))
+
+
+def lost(bundle: Bundle, why: str) -> list[dict[str, Any]]:
+    return [failed_row(spec, why) for spec in bundle.specs]
 
 
 def failed_row(spec: Spec, why: str) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 import json
 import logging
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from itertools import chain
@@ -14,14 +14,14 @@ from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import NAME as LOG
 from harness.app.shared.progress import SILENT, Progress, journal
 from harness.app.shared.rows import folder_of, resumable, worked
-from harness.app.sweep.parts import Parts, check_new, compute, failed_row
+from harness.app.sweep.parts import Parts, check_new, compute, computed, lost
 from harness.core.checks import positive
 from harness.core.errors import HarnessError, InputError, SimulationError, StoreError
 from harness.engines import registry
 from harness.engines.base import ROUTES, Engine, choice
 from harness.fidelity.compare import Ladder
 from harness.fidelity.matrix import Matrix, preset_names
-from harness.fidelity.row import Spec
+from harness.fidelity.row import Bundle, Spec
 from harness.fidelity.select import Selection
 from harness.io.store import held
 from harness.results.common import Machine
@@ -31,6 +31,8 @@ LOGGER = logging.getLogger(__name__)
 
 PART_ROWS, PART_S = 64, 5.0
 """A part is written after so many rows, or so many seconds, whichever comes first."""
+BATCH = 256
+"""Sliders that an engine is given at once, at most."""
 RESULT, PAGE, TRACES = "result.json", "report.html", "traces"
 
 Compute = Callable[[Spec], dict[str, Any]]
@@ -172,7 +174,7 @@ def sweep(
         notes = [_damaged(name) for name in parts.damaged]
         total = options.matrix.size(engines)
         wanted = (spec for spec in options.matrix.specs(engines) if int(spec.key, 16) not in have)
-        done = _compute(options, parts, wanted, (len(have), total), progress, function)
+        done = _compute(options, parts, bundled(wanted, engines, options), (len(have), total), progress, function)
         count = failures = 0
         for row in parts.read():
             count, failures = count + 1, failures + (row["error"] is not None)
@@ -182,6 +184,21 @@ def sweep(
     return Sweep(folder, machine, command, tuple(notes), count, done, failures, wall)
 
 
+def bundled(specs: Iterator[Spec], engines: Mapping[str, Engine], options: SweepOptions) -> Iterator[Bundle]:
+    """Rows that differ in their slider alone together, where an engine runs many at once; the others one by one."""
+    alike: dict[tuple[Any, ...], list[Spec]] = {}
+    for spec in specs:
+        if not (options.sliders and engines[spec.engine].batches):
+            yield Bundle((spec,))
+            continue
+        about = (spec.engine, spec.route, spec.preset, spec.changed, spec.dt, spec.scenario.name)
+        group = alike.setdefault(about, [])
+        group.append(spec)
+        if len(group) == BATCH:
+            yield Bundle(tuple(alike.pop(about)))
+    yield from (Bundle(tuple(group)) for group in alike.values())
+
+
 def _damaged(name: str) -> str:
     return f"rows/{name} was damaged and set aside as {name}.damaged; its rows are computed again"
 
@@ -189,13 +206,13 @@ def _damaged(name: str) -> str:
 def _compute(
     options: SweepOptions,
     parts: Parts,
-    specs: Iterator[Spec],
+    bundles: Iterator[Bundle],
     having: tuple[int, int],
     progress: Progress,
     function: Compute,
 ) -> int:
     """Compute and keep; returns how many rows were computed. having : rows there were, and rows of the matrix."""
-    first = next(specs, None)
+    first = next(bundles, None)
     if first is None:
         return 0
     had, total = having
@@ -212,12 +229,14 @@ def _compute(
     kept = partial(worked, jobs=options.jobs, cluster=options.cluster, idle=(PART_S, keep))
     with (
         resumable(parts.folder.parent, lambda: f"{had + done - len(buffer)} of {total} rows are kept"),
-        kept("rows", chain([first], specs), function, failed_row, progress, having) as rows,
+        kept(
+            "rows", chain([first], bundles), partial(computed, one=function), lost, progress, having, rows_of=len
+        ) as found,
     ):
         try:
-            for row in rows:
-                buffer.append(row)
-                done += 1
+            for rows in found:
+                buffer += rows
+                done += len(rows)
                 if len(buffer) >= PART_ROWS or time.monotonic() - flushed > PART_S:
                     keep()
             keep()

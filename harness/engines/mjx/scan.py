@@ -1,8 +1,8 @@
 """Runs in MJX: a scan over the steps, compiled once for all sliders, steps and lengths of a structure."""
 
 import logging
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -66,35 +66,51 @@ def sticks_below(settings: dict[str, Any]) -> float:
     return UNSATURATED if settings["precision"] == 64 else SINGLE_STICKS
 
 
-def run(tasks: Sequence[tuple[Held, dict[str, Any]]]) -> tuple[list[Recorded], float]:
-    """Tasks of one structure, with their settings, at once: what each recorded, and the wall time of all, s.
+class Runs:
+    """Tasks of one structure, with their settings, compiled and ready to run at once.
 
-    Compilation is not counted. Raises SimulationError for a device that is not here.
+    Raises SimulationError for a device that is not here.
     """
-    (first, settings), count = tasks[0], len(tasks)
-    blocks = -(-max(held.push.size for held, _ in tasks) // BLOCK)
-    pushes = np.zeros((count, blocks * BLOCK))
-    for row, (held, _) in zip(pushes, tasks, strict=True):
-        row[: held.push.size] = held.push
-    try:
-        device = jax.devices(settings["device"])[0]
-    except RuntimeError:
-        raise SimulationError(f"mjx: no {settings['device']} that jax can use") from None
-    with quiet(log), jax.enable_x64(settings["precision"] == 64), jax.default_device(device):
-        numbers, state = jax.tree.map(lambda *one: jnp.asarray(np.stack(one)), *(_numbers(*task) for task in tasks))
-        parts = [jnp.asarray(part) for part in np.split(pushes, blocks, axis=1)]
-        compiled_in = (*structure(first, settings), count)
-        if compiled_in not in _programs:
-            made = _program(mjx.put_model(first.model, device), first, settings, count)
-            _programs[compiled_in] = jax.jit(made).lower(numbers, state, parts[0]).compile()
-        program, found = _programs[compiled_in], []
-        started = time.perf_counter()
-        for part in parts:
-            state, out = program(numbers, state, part)
-            found.append(out)
-        arrays = np.concatenate([np.asarray(out, dtype=np.float64) for out in found], axis=-1)
-        wall = time.perf_counter() - started
-    return [Recorded(*one[:, : held.push.size]) for one, (held, _) in zip(arrays, tasks, strict=True)], wall
+
+    def __init__(self, tasks: Sequence[tuple[Held, dict[str, Any]]]) -> None:
+        (first, self._settings), count = tasks[0], len(tasks)
+        self._lengths = [held.push.size for held, _ in tasks]
+        blocks = -(-max(self._lengths) // BLOCK)
+        pushes = np.zeros((count, blocks * BLOCK))
+        for row, (held, _) in zip(pushes, tasks, strict=True):
+            row[: held.push.size] = held.push
+        with self._there() as device, quiet(log):
+            stacked = [np.stack(one) for one in zip(*(jax.tree.leaves(_numbers(*task)) for task in tasks), strict=True)]
+            shape = jax.tree.structure(_numbers(*tasks[0]))
+            self._numbers, self._state = jax.tree.unflatten(shape, map(jnp.asarray, stacked))
+            self._parts = [jnp.asarray(part) for part in np.split(pushes, blocks, axis=1)]
+            compiled_in = (*structure(*tasks[0]), count)
+            if compiled_in not in _programs:
+                made = _program(mjx.put_model(first.model, device), first, self._settings, count)
+                given = (self._numbers, self._state, self._parts[0])
+                _programs[compiled_in] = jax.jit(made).lower(*given).compile()
+            self._program = _programs[compiled_in]
+
+    def run(self) -> list[Recorded]:
+        """What each recorded."""
+        found, state = [], self._state
+        with self._there():
+            for part in self._parts:
+                state, out = self._program(self._numbers, state, part)
+                found.append(out)
+            arrays = np.concatenate([np.asarray(out, dtype=np.float64) for out in found], axis=-1)
+        return [Recorded(*one[:, :length]) for one, length in zip(arrays, self._lengths, strict=True)]
+
+    @contextmanager
+    def _there(self) -> Iterator[Any]:
+        """On the device and in the precision of the settings."""
+        name = self._settings["device"]
+        try:
+            device = jax.devices(name)[0]
+        except RuntimeError:
+            raise SimulationError(f"mjx: no {name} that jax can use") from None
+        with jax.enable_x64(self._settings["precision"] == 64), jax.default_device(device):
+            yield device
 
 
 def _numbers(held: Held, settings: dict[str, Any]) -> tuple[dict[str, Any], tuple[Any, ...]]:
