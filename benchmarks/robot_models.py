@@ -1,7 +1,7 @@
 """``python -m benchmarks.robot_models FOLDER ...``: how many models of robots in folders are read, and why not.
 
-A model is a file whose tree begins with <mujoco> or <robot>, that has a hinge or a slide, and that no other one there
-includes: what packages ship, as it lies there. Nothing of it is kept.
+A model is a file whose tree begins with <mujoco>, <robot> or <sdf>, that has a hinge or a slide, and that no other one
+there includes: what packages ship, as it lies there. Nothing of it is kept.
 """
 
 import argparse
@@ -17,7 +17,7 @@ from harness.core.errors import InputError
 from harness.robot.arm import load_arm
 from harness.robot.reduction import reduced
 
-_SUFFIXES = (".xml", ".urdf", ".mjcf")
+_SUFFIXES = (".xml", ".urdf", ".mjcf", ".sdf")
 _MOVING = ("revolute", "continuous", "prismatic")
 
 
@@ -53,7 +53,7 @@ def models(folder: Path) -> Iterator[Path]:
     }
     parts = {path.resolve() for path in parts}
     for path, tree in trees.items():
-        if path not in parts and tree.tag in ("mujoco", "robot") and _moves(path, tree, trees):
+        if path not in parts and tree.tag in ("mujoco", "robot", "sdf") and _moves(path, tree, trees):
             yield path
 
 
@@ -70,7 +70,7 @@ def _tree(path: Path) -> Any:
 
 def _moves(path: Path, tree: Any, trees: dict[Path, Any]) -> bool:
     """Whether a tree, or one that it includes, has a hinge or a slide."""
-    if tree.tag == "robot":
+    if tree.tag in ("robot", "sdf"):
         return any(joint.get("type") in _MOVING for joint in tree.iter("joint"))
     bodies = (one for one in tree.iter("joint") if one.getparent().tag == "body")
     if any(one.get("type", "hinge") in ("hinge", "slide") for one in bodies):

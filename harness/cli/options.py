@@ -144,7 +144,7 @@ def _joint(robot: Path | None, joint: str | None, gravity: Gravity | None) -> Jo
 robot_options = group(
     "robot",
     _joint,
-    click.option("--robot", type=PATH, metavar="FILE", help="A robot's model, MJCF or URDF."),
+    click.option("--robot", type=PATH, metavar="FILE", help="A robot's model, MJCF, URDF or SDF."),
     click.option("--joint", metavar="NAME", help="Which joint of it, or all.  [the only one that moves, or all]"),
     click.option("--gravity", type=float, nargs=3, metavar="X Y Z", help="m/s^2, at the base.  [the model's]"),
 )

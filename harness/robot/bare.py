@@ -16,6 +16,7 @@ from lxml import etree
 from harness.core.bounded import MEBIBYTE, check_file, read_bytes
 from harness.core.errors import InputError
 from harness.robot.repair import repaired
+from harness.robot.sdf import as_urdf
 
 MOST_BYTES = 16 * MEBIBYTE
 """Of one file: a robot's model is text of some thousand lines."""
@@ -53,16 +54,20 @@ def read_xml(path: Path, edited: Mapping[Path, str] = MappingProxyType({})) -> S
         raise InputError(str(path), f"no XML ({error})", "a robot's model, MJCF or URDF, is accepted") from None
     if tree.docinfo.doctype or tree.docinfo.internalDTD is not None:
         raise InputError(str(path), "a document type, by which entities come in", "a model without one is accepted")
-    return Source(path, text, _plain(tree.getroot()))
+    root = tree.getroot()
+    return Source(path, text, _plain(root, texts=root.tag == "sdf"))
 
 
 def with_included(path: Path, edited: Mapping[Path, str] = MappingProxyType({})) -> tuple[Source, ...]:
     """A model's file and those that it includes (MJCF), which are put into the first one's tree; edited : as there.
 
-    Raises InputError as ``read_xml`` does, for an included file outside the folder of the first, and for one that is
-    included twice.
+    An SDF is the URDF that says the same. Raises InputError as ``read_xml`` does, for an included file outside the
+    folder of the first, and for one that is included twice.
     """
     first = read_xml(path, edited)
+    if first.root.tag == "sdf":
+        root = as_urdf(str(path), first.root)
+        return (Source(path, etree.tostring(root, pretty_print=True).decode(), root),)
     found = [first]
     folder = path.resolve().parent
     seen = {path.resolve()}
@@ -83,13 +88,14 @@ def with_included(path: Path, edited: Mapping[Path, str] = MappingProxyType({}))
     return tuple(found)
 
 
-def _plain(element: Any) -> Any:
+def _plain(element: Any, texts: bool = False) -> Any:
     """An element as MuJoCo's and PyBullet's parsers see it, which know nothing of name spaces: by the name that stands
-    there. What has a prefix, comments and text are nothing to them and are left out.
+    there. What has a prefix, comments and, but for ``texts``, text are nothing to them and are left out.
     """
     values = {name: value for name, value in element.attrib.items() if not name.startswith("{")}
     found = etree.Element(etree.QName(element).localname, values)
-    found.extend([_plain(child) for child in element.iterchildren(tag=etree.Element) if child.prefix is None])
+    found.text = element.text if texts else None
+    found.extend([_plain(child, texts) for child in element.iterchildren(tag=etree.Element) if child.prefix is None])
     return found
 
 
@@ -109,8 +115,11 @@ _URDF_COMPILER = ("angle", "autolimits", "balanceinertia", "boundinertia", "boun
 
 
 def _bare_urdf(file: str, root: Any, notes: list[str]) -> None:
-    """Leave of a URDF what MuJoCo's importer is to be given. Raises InputError for a joint that URDF has not."""
+    """Leave of a URDF what MuJoCo's importer is to be given. Raises InputError for a joint that URDF has not, and for
+    places that are none."""
     held = []
+    for part in (*root.findall("link"), *root.findall("joint")):
+        _check_places(f"{file}: {part.tag} {part.get('name')}", part)
     for joint in root.findall("joint"):
         kind = joint.get("type")
         if kind in _FREE:
@@ -124,6 +133,20 @@ def _bare_urdf(file: str, root: Any, notes: list[str]) -> None:
     notes += [_HELD.format(name) for name in held if name in bearing]
     _keep(file, root, _URDF, _URDF_COMPILER)
     notes += repaired(root)
+
+
+def _check_places(where: str, part: Any) -> None:
+    """Raise InputError for a link or joint with places that are no three numbers, or a joint with several axes."""
+    for element in (part.find("origin"), part.find("axis"), part.find("inertial/origin")):
+        for name in ("xyz", "rpy") if element is not None else ():
+            value = element.get(name)
+            if value is not None and not _THREE.fullmatch(value):
+                raise InputError(where, f'{name}="{value}" in its <{element.tag}>', "three numbers are accepted")
+    if len(part.findall("axis")) > 1:
+        raise InputError(where, "several <axis>", "one is accepted")
+
+
+_THREE = re.compile(r"\s*(?:[-+.\d]\S*\s+){2}[-+.\d]\S*\s*")
 
 
 def _keep(file: str, element: Any, may: Mapping[str, tuple[str, ...]], compiler: tuple[str, ...]) -> None:
@@ -214,7 +237,7 @@ def bare_model(
         _bare_mjcf(path, found, path.resolve().parent, edited, fixed, touching)
     else:
         said = f"XML that begins with <{found.root.tag}>"
-        raise InputError(str(path), said, "MJCF (<mujoco>) or URDF (<robot>) is accepted")
+        raise InputError(str(path), said, "MJCF (<mujoco>), URDF (<robot>) or SDF (<sdf>) is accepted")
     return found
 
 

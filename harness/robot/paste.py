@@ -176,12 +176,12 @@ def written(
 
 
 def copies(path: Path, *pastes: JointPaste) -> dict[str, str]:
-    """Texts of the files that change, with what is to be pasted for every joint, by the file's name."""
+    """Texts of the files that change, with what is to be pasted for every joint, by name; of an SDF a URDF."""
     edited: dict[Path, str] = {}
     for paste in pastes:
         if (found := written(path, paste, edited)) is not None:
             edited[found[0].resolve()] = found[1]
-    return {file.name: text for file, text in edited.items()}
+    return {file.with_suffix(".urdf" if file.suffix == ".sdf" else file.suffix).name: t for file, t in edited.items()}
 
 
 def _with_child(text: str, tag: Tag, child: str) -> str:

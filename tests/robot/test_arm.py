@@ -33,7 +33,7 @@ REFUSED = [
     ("a.xml", "<mujoco", "no XML"),
     ("a.xml", BOMB, "a document type"),
     ("a.xml", '<!DOCTYPE b SYSTEM "file:///etc/passwd"><mujoco/>', "a document type"),
-    ("a.xml", "<sdf/>", "XML that begins with <sdf>"),
+    ("a.xml", "<collada/>", "XML that begins with <collada>"),
     ("a.xml", mjcf('<body><joint name="j" axis="0 0 0"/></body>'), "MuJoCo does not compile it"),
     ("a.xml", mjcf(f'<body name="box"><freejoint/>{LINK}</body>'), "no joint"),
     ("a.xml", mjcf('<geom size="1"/>'), "no joint"),

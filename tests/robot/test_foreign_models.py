@@ -223,3 +223,23 @@ def test_an_attached_model_is_as_if_it_stood_there(tmp_path: Path) -> None:
     attached = loaded(tmp_path, mjcf(arm.format(attach), asset))
     inside = hand.format("left_", 2).replace('axis="0 1 0"', 'axis="0 1 0" armature=".2"')
     same_torque(attached, loaded(tmp_path, mjcf(arm.format(f'<frame pos="0 0 .5">{inside}</frame>'))))
+
+
+@pytest.mark.parametrize(
+    ("part", "said"),
+    [
+        ('<origin xyz="0 0" rpy="0 0 0"/>', 'joint elbow: xyz="0 0" in its <origin>; three numbers'),
+        ('<origin xyz="0 0 0" rpy="0 $(yaw) 0"/>', "joint elbow: rpy="),
+        ('<axis xyz="0 1 0"/><axis xyz="0 0 1"/>', "joint elbow: several <axis>; one is accepted"),
+    ],
+)
+def test_a_urdf_is_refused_with_the_joint_that_is_wrong(tmp_path: Path, part: str, said: str) -> None:
+    file = tmp_path / "arm.urdf"
+    file.write_text(
+        '<robot name="r"><link name="a"/><link name="b"><inertial><mass value="1"/>'
+        '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+        f'<joint name="elbow" type="continuous"><parent link="a"/><child link="b"/>{part}</joint></robot>'
+    )
+    with pytest.raises(InputError) as refused:
+        load_arm(file)
+    assert said in str(refused.value)

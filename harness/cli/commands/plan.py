@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @click.command(short_help="A motion within a robot's limits that tells the friction of its joints.")
-@click.option("--robot", type=PATH, required=True, metavar="FILE", help="A robot's model, MJCF or URDF.")
+@click.option("--robot", type=PATH, required=True, metavar="FILE", help="A robot's model, MJCF, URDF or SDF.")
 @click.option("--joints", metavar="NAME,..", help="Those that move.  [all]")
 @click.option("--seconds", type=float, default=20.0, metavar="S", help="How long.  [20]")
 @click.option("--rate", type=float, default=250.0, metavar="HZ", help="Samples a second of the CSV.  [250]")

@@ -1,0 +1,92 @@
+"""SDF is read as the model that it is: against the same arm written otherwise, and against PyBullet's own reader."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.core.errors import InputError
+from harness.robot.arm import load_arm
+from harness.robot.paste import JointPaste, copies
+
+pybullet_data = pytest.importorskip("pybullet_data")
+KUKA = Path(pybullet_data.getDataPath()) / "kuka_iiwa"
+TWO = """<sdf version="{version}"><world name="w"><model name="two"><pose>0 0 1 0 0 0.4</pose>
+  <frame name="bench"><pose>0.1 0 0 0 0 0</pose></frame>
+  <link name="base"><inertial><mass>1</mass></inertial></link>
+  <link name="upper"><pose relative_to="bench">0 0 0.2 0.3 0 0</pose>
+    <inertial><pose>0.1 0.02 0 0 0 0</pose><mass>2</mass>
+      <inertia><ixx>0.01</ixx><iyy>0.02</iyy><izz>0.02</izz><ixy>0.001</ixy></inertia></inertial></link>
+  <joint name="ground" type="fixed"><parent>world</parent><child>base</child></joint>
+  <joint name="shoulder" type="revolute"><pose>0.05 0 0 0 0.2 0</pose><parent>base</parent><child>upper</child>
+    <axis><xyz{expressed}>0 1 0</xyz><limit><lower>-1</lower><upper>2</upper><effort>20</effort></limit>
+      <dynamics><damping>0.3</damping><friction>0.4</friction></dynamics></axis></joint>
+</model></world></sdf>
+"""
+
+
+def test_an_arm_is_the_same_as_sdf_and_as_urdf() -> None:
+    sdf, urdf = (load_arm(KUKA / f"model.{suffix}") for suffix in ("sdf", "urdf"))
+    assert sdf.joints == urdf.joints
+    q, v, a = np.random.default_rng(1).standard_normal((3, 10, 7))
+    # the two files round their numbers otherwise
+    assert sdf.inverse(q, v, a) == pytest.approx(urdf.inverse(q, v, a), abs=2e-4)
+    assert sdf.damping == pytest.approx(urdf.damping)
+    assert any("lbr_iiwa_link_0 is held" in note for note in sdf.notes)
+
+
+@pytest.mark.parametrize(("version", "expressed"), [("1.7", ""), ("1.7", ' expressed_in="bench"'), ("1.4", "")])
+def test_frames_and_axes_are_where_the_version_has_them(tmp_path: Path, version: str, expressed: str) -> None:
+    file = tmp_path / "two.sdf"
+    file.write_text(TWO.format(version=version, expressed=expressed))
+    arm = load_arm(file)
+    assert arm.joints == ("shoulder",)
+    assert (arm.damping[0], arm.frictionloss[0]) == pytest.approx((0.3, 0.4))
+    assert arm.model.jnt_range[0] == pytest.approx((-1.0, 2.0))
+    own = expressed == "" and version == "1.7"
+    turn = _about_x(0.3) @ _about_y(0.2) if own else np.eye(3)
+    axis = _about_z(0.4) @ turn @ [0.0, 1.0, 0.0]
+    centre = _about_z(0.4) @ _about_x(0.3) @ [0.05, 0.02, 0.0]
+    # what holds it against gravity
+    held = axis @ np.cross(centre, [0.0, 0.0, 2.0 * 9.81])
+    assert arm.inverse(*np.zeros((3, 1, 1)))[0, 0] == pytest.approx(held)
+
+
+def _about_x(r: float) -> np.ndarray:
+    return np.array([[1.0, 0.0, 0.0], [0.0, np.cos(r), -np.sin(r)], [0.0, np.sin(r), np.cos(r)]])
+
+
+def _about_y(r: float) -> np.ndarray:
+    return np.array([[np.cos(r), 0.0, np.sin(r)], [0.0, 1.0, 0.0], [-np.sin(r), 0.0, np.cos(r)]])
+
+
+def _about_z(r: float) -> np.ndarray:
+    return np.array([[np.cos(r), -np.sin(r), 0.0], [np.sin(r), np.cos(r), 0.0], [0.0, 0.0, 1.0]])
+
+
+def test_what_is_pasted_is_in_a_urdf_beside(tmp_path: Path) -> None:
+    file = tmp_path / "two.sdf"
+    file.write_text(TWO.format(version="1.7", expressed=""))
+    ((name, text),) = copies(file, JointPaste("shoulder", 0.5, 0.6, 0.0, 0.002)).items()
+    assert name == "two.urdf"
+    (tmp_path / name).write_text(text)
+    again = load_arm(tmp_path / name)
+    assert (again.frictionloss[0], again.damping[0]) == pytest.approx((0.5, 0.6))
+    assert again.inverse(*np.ones((3, 1, 1))) == pytest.approx(load_arm(file).inverse(*np.ones((3, 1, 1))))
+
+
+def test_what_urdf_cannot_say_is_refused_with_what_can(tmp_path: Path) -> None:
+    file = tmp_path / "bad.sdf"
+    whole = TWO.format(version="1.7", expressed="")
+    axis = "<damping>0.3</damping>"
+    for bad, said in (
+        (whole.replace(axis, axis + "<spring_stiffness>2</spring_stiffness>"), "a spring"),
+        (whole.replace("<child>base</child>", "<child>upper</child>"), "loop"),
+        (whole.replace('relative_to="bench"', 'relative_to="desk"'), "desk"),
+        (whole.replace("0 0 0.2 0.3 0 0", "0 0 zero 0.3 0 0"), "number"),
+        (whole.replace('type="revolute"', 'type="screw"'), "screw"),
+        ('<sdf version="1.7"><world name="w"/></sdf>', "0 models"),
+    ):
+        file.write_text(bad)
+        with pytest.raises(InputError, match=said):
+            load_arm(file)
