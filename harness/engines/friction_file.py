@@ -17,46 +17,35 @@ Written by friction-harness; it needs numpy and the engine alone. N m and rad of
 MuJoCo:   friction = attach(model, data)   # once; the joint's own frictionloss and damping are replaced
           friction()                       # every step, before mujoco.mj_step(model, data)
 PyBullet: apply(body, joint)               # every step, before pybullet.stepSimulation()
+MJX:      data, state = step(model, data, state)  # in place of mjx.step; begin with START; for jit, vmap and scan
 """
 
 import numpy as np
-from numpy import abs, clip, cos, exp, pi, sign, sin  # noqa: A004, F401
 
 JOINT, ZERO, C, F_K, F_S = {joint!r}, {zero!r}, {c!r}, {f_k!r}, {f_s!r}
+START = (True, {z!r}, np.nan)
+NAMES = ("abs", "clip", "cos", "exp", "maximum", "pi", "sign", "sin", "where")
 
 
-def level(x, v, t, stuck=False):
-    """Dry friction as it slides, or the load that it holds."""
-    f_k = F_K
+def law(xp, state, x, v, t, stop, a):
+    """Force on the joint, the load that it holds, and its state (stuck, bristle, x) behind it; xp: numpy or jax.numpy.
+
+    stop: the force that ends the step at rest. a: acceleration without friction.
+    """
+    abs, clip, cos, exp, maximum, pi, sign, sin, where = (getattr(xp, name) for name in NAMES)
+    (stuck, z, before), f_k = state, F_K
     curve = {curve}
-    return max((max(F_S, curve) if stuck else curve) * {factors}, 0.0)
-
-
-def viscous(x, v, t):
-    """Resistance to a speed, beside C v."""
-    return {viscous}
-
-
-class Friction:
-    """That of one joint, with what it remembers."""
-
-    def __init__(self):
-        self.stuck, self.limit, self.z, self.x, self.t = True, 0.0, {z!r}, None, 0.0
-
-    def force(self, x, v, t, stop, a):
-        """Force on the joint; stop: the one that ends the step at rest. a: acceleration without friction."""
+    level = maximum(where(stuck, maximum(F_S, curve), curve) * {factors}, 0.0)
+    viscous = {viscous}
 '''
-_DRY = """        self.limit = level(x, v, t, self.stuck)
-        self.stuck = abs(stop) <= self.limit
-        return clip(stop, -self.limit, self.limit) - viscous(x, v, t)
+_DRY = """    return clip(stop, -level, level) - viscous, level, (abs(stop) <= level, z, x)
 """
-_BRISTLE = """        f, dx = max(level(x, v, t), 1e-300), 0.0 if self.x is None else x - self.x
-        end = sign(dx) * f / {sigma0!r}
-        self.z, self.x = (end + (self.z - end) * exp(-abs(dx) * {sigma0!r} / f) if dx else self.z), x
-        z, level_ = self.z, f
-        return -({law}) - viscous(x, v, t)
+_BRISTLE = """    level, dx = maximum(level, 1e-30), where(before == before, x - before, 0.0)
+    end = sign(dx) * level / {sigma0!r}
+    z = end + (z - end) * exp(-abs(dx) * {sigma0!r} / level)
+    return -({law}) - viscous, 0.0, (stuck, z, x)
 """
-_SMOOTH = """        return -level(x, v, t) * ({law}) - viscous(x, v, t)
+_SMOOTH = """    return -level * ({law}) - viscous, 0.0, (stuck, z, x)
 """
 _TAIL = '''
 
@@ -64,20 +53,21 @@ def attach(model, data, joint=JOINT):
     """For MuJoCo: what is to be called before every step; it writes data.qfrc_applied of the joint."""
     import mujoco
 
-    own, j = Friction(), model.joint(joint).id
+    j, state = model.joint(joint).id, START
     at, dof = model.jnt_qposadr[j], model.jnt_dofadr[j]
     model.dof_frictionloss[dof], model.dof_damping[dof] = 0.0, C
     unit, response = np.zeros((1, model.nv)), np.zeros((1, model.nv))
     unit[0, dof] = 1.0
 
     def friction():
+        nonlocal state
         h, x, v = model.opt.timestep, data.qpos[at] - ZERO, data.qvel[dof]
         data.qfrc_applied[dof] = 0.0
         mujoco.mj_forward(model, data)
         mujoco.mj_solveM(model, data, response, unit)
         m, a = 1.0 / response[0, dof], data.qacc[dof]
         at_end = 0.0 if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4 else h * C
-        data.qfrc_applied[dof] = own.force(x, v, data.time, -(v * (m + at_end) / h + m * a), a)
+        data.qfrc_applied[dof], _, state = law(np, state, x, v, data.time, -(v * (m + at_end) / h + m * a), a)
 
     return friction
 
@@ -89,17 +79,32 @@ def apply(body, joint, client=0):
     """For PyBullet: to be called before every step; dry friction is the joint's velocity motor."""
     import pybullet as p
 
-    key = (client, body, joint)
+    key, step = (client, body, joint), p.getPhysicsEngineParameters(physicsClientId=client)["fixedTimeStep"]
     x, v, _, motor = p.getJointState(body, joint, physicsClientId=client)
     if key not in _KNOWN:
-        _KNOWN[key] = Friction()
+        _KNOWN[key] = 0.0, *START[1:], 0.0
         p.changeDynamics(body, joint, jointDamping=C, linearDamping=0, angularDamping=0, physicsClientId=client)
-    own = _KNOWN[key]
-    own.stuck = abs(motor) < own.limit * (1.0 - 1e-9) or (own.t == 0.0 and v == 0.0)
-    force = own.force(x - ZERO, v, own.t, 0.0, 0.0)
-    p.setJointMotorControl2(body, joint, p.VELOCITY_CONTROL, targetVelocity=0, force=own.limit, physicsClientId=client)
+    limit, z, before, t = _KNOWN[key]
+    stuck = abs(motor) < limit * (1.0 - 1e-9) or (t == 0.0 and v == 0.0)
+    force, limit, (_, z, before) = law(np, (stuck, z, before), x - ZERO, v, t, 0.0, 0.0)
+    p.setJointMotorControl2(body, joint, p.VELOCITY_CONTROL, targetVelocity=0, force=limit, physicsClientId=client)
     p.setJointMotorControl2(body, joint, p.TORQUE_CONTROL, force=force, physicsClientId=client)
-    own.t += p.getPhysicsEngineParameters(physicsClientId=client)["fixedTimeStep"]
+    _KNOWN[key] = limit, z, before, t + step
+
+
+def step(model, data, state=START, joint=JOINT):
+    """For MJX: data a step on and state; where the model was put with frictionloss 0 on the joint."""
+    import jax.numpy as jnp
+    from mujoco import mjx
+
+    j = mjx.name2id(model, mjx.mujoco.mjtObj.mjOBJ_JOINT, joint)
+    at, dof, h = model.jnt_qposadr[j], model.jnt_dofadr[j], model.opt.timestep
+    model = model.replace(dof_damping=model.dof_damping.at[dof].set(C))
+    free = mjx.forward(model, data.replace(qfrc_applied=data.qfrc_applied.at[dof].set(0.0)))
+    m = 1.0 / jnp.linalg.inv(mjx.full_m(model, free))[dof, dof]
+    x, v, a = data.qpos[at] - ZERO, data.qvel[dof], free.qacc[dof]
+    force, _, state = law(jnp, state, x, v, data.time, -(v * (m + h * C) / h + m * a), a)
+    return mjx.step(model, data.replace(qfrc_applied=data.qfrc_applied.at[dof].set(force))), state
 '''
 
 
@@ -117,8 +122,7 @@ def friction_file(model: Model, joint: str, zero: float = 0.0, native: bool = Fa
     f_s = static[0].values[0] if static else model.f_s if model.f_s is not None else model.f_k
     body = _DRY
     if law is not None and law.term.internal:
-        expression = re.sub(r"\blevel\b", "level_", _expression(law))
-        body = _BRISTLE.format(law=expression, sigma0=law.values[0])
+        body = _BRISTLE.format(law=_expression(law), sigma0=law.values[0])
     elif law is not None:
         body = _SMOOTH.format(law=_expression(law))
     said = [f"dry {model.f_k:.4g}, viscous {model.c:.4g}", *(entry.term.key for entry in _spoken(model, native))]

@@ -60,6 +60,29 @@ def test_a_slider_in_mujoco_moves_as_the_reference(name: str) -> None:
     assert len(friction_file(model, "slide").splitlines()) < 100
 
 
+@pytest.mark.parametrize("name", ["coulomb", "lugre", "drift"])
+def test_a_slider_in_mjx_moves_as_the_reference(name: str) -> None:
+    mjx = pytest.importorskip("mujoco.mjx")
+    import jax
+
+    model, dt = SLIDER.with_terms(*LAWS[name]), 5e-4
+    own = mujoco.MjModel.from_xml_string(model_files.mjcf(model).decode())
+    own.opt.timestep, own.opt.integrator = dt, mujoco.mjtIntegrator.mjINT_EULER
+    own.dof_frictionloss[0] = 0.0
+    friction = module(model, "slide")
+    begun = mjx.make_data(own).replace(qpos=np.array([model.x0]), qvel=np.array([model.v0]))
+    there = mjx.put_model(own)
+
+    def one(carry: Any, _: None) -> Any:
+        data, state = friction.step(there, *carry)
+        return (data, state), data.qpos[0]
+
+    start = jax.tree.map(jax.numpy.asarray, friction.START)
+    x = np.concatenate(([model.x0], np.asarray(jax.jit(lambda c: jax.lax.scan(one, c, None, 3000))((begun, start))[1])))
+    exact = harness.simulate(model, np.arange(x.size) * dt)
+    assert np.abs(x - exact.x).max() < 4e-3
+
+
 @pytest.mark.parametrize("integrator", ["EULER", "IMPLICITFAST", "RK4"])
 def test_it_holds_a_load_without_a_creep_and_breaks_away_above(integrator: str) -> None:
     model = Model(1.0, 2.0, 0.0, 3.0, f_s=4.0, restoring=Restoring.NONE)
