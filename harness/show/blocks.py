@@ -54,7 +54,10 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """corner : heading of the row heads. title, caption : above it. footnotes : sentences below."""
+    """corner : heading of the row heads. title, caption : above it. footnotes : sentences below.
+
+    compact : it stays whole on a phone, where the notes of its cells are left out.
+    """
 
     corner: str
     columns: Sequence[Column]
@@ -62,6 +65,14 @@ class Table:
     caption: str = ""
     title: str = ""
     footnotes: Sequence[str] = ()
+    compact: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Legend:
+    """What the colours of cells mean. labels : of the grades 0 to 4."""
+
+    labels: Sequence[str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,7 +164,7 @@ class Folded:
     open: bool = False
 
 
-Block: TypeAlias = Text | Items | Facts | Table | Figure | Code | Cards | Zoom | Folded
+Block: TypeAlias = Text | Items | Facts | Table | Legend | Figure | Code | Cards | Zoom | Folded
 
 
 @dataclass(frozen=True, slots=True)
@@ -184,10 +195,12 @@ def tabulated(
     title: str = "",
     footnotes: Sequence[str] = (),
     reasons: "Reasons | None" = None,
+    compact: bool = False,
 ) -> Table:
     """A table of a row an item. head, note, color : of an item. reasons : footnotes that the columns make."""
     rows = [Row(head(one), [cell(column.of(one)) for column in columns], note(one), color(one)) for one in items]
-    return Table(corner, columns, rows, caption, title, footnotes if reasons is None else reasons.footnotes)
+    said = footnotes if reasons is None else reasons.footnotes
+    return Table(corner, columns, rows, caption, title, said, compact)
 
 
 def by(key: Any, of: Callable[[Any, Any], Shown]) -> Callable[[Any], Shown]:

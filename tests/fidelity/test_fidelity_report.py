@@ -12,7 +12,10 @@ from harness.app.sweep.sweep import Sweep, SweepOptions, sweep
 from harness.fidelity.compare import Ladder, slope
 from harness.fidelity.laws import SERVOS, WITHOUT_EFFECT
 from harness.fidelity.scores import FLOOR, LABELS, badness, cards, distance, figures_of, front, points
-from harness.show.sentences.sweep import headline, sentences
+from harness.show.numbers import number
+from harness.show.report.effort import efforts
+from harness.show.report.glance import Glance, glances
+from harness.show.sentences.sweep import sentences
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -37,7 +40,13 @@ def test_page_is_one_file_without_network(swept: Sweep) -> None:
     page = (swept.folder / "report.html").read_text()
     assert len(page) < 5_000_000
     assert "default-src 'none'" in page  # the browser itself refuses any address
-    for heading in ("Conclusions", "Scorecard", "Error against cost", "Convergence in the step", "Worst rows"):
+    for heading in (
+        "Every engine at a glance",
+        "Scorecard",
+        "Error against cost",
+        "Convergence in the step",
+        "Worst rows",
+    ):
         assert f">{heading}<" in page
     files = re.findall(r'href="(traces/[^"]+)"', page)
     assert len(files) == 2
@@ -70,6 +79,87 @@ def test_as_shipped_and_tuned_stand_beside_each_other(rows: list[dict[str, Any]]
             assert after < before
 
 
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Sweep:
+    """A page with every section: a joint, a contact, bodies, and effort."""
+    only = ("/as-shipped/dt=own/", "/tuned/dt=0.001/", "joint/trained/integrator=Euler,iterations", "ratio=100,it")
+    options = SweepOptions(
+        ("mujoco", "pybullet"), ("joint", "contact"), only=only, skip=("pybullet*/contact/*",), jobs=1
+    )
+    result = sweep(options, tmp_path_factory.mktemp("whole") / "out")
+    finish(result, options)
+    return result
+
+
+def matrix(result: Sweep) -> list[Glance]:
+    rows = list(result.rows())
+    return glances(rows, cards(rows), efforts(rows))
+
+
+def test_the_matrix_has_the_worst_of_every_engine_as_shipped_and_tuned(whole: Sweep) -> None:
+    found = matrix(whole)
+    assert [(line.card.engine, line.card.preset) for line in found] == [
+        (engine, preset) for engine in ("mujoco", "pybullet") for preset in ("as-shipped", "tuned")
+    ]
+    columns = {"free decay": "free-decay", "hold": "hold-", "belt": "belt", "harmonic": "harmonic"}
+    for line in found:
+        mine = [row for row in whole.rows() if (row["engine"], row["preset"]) == (line.card.engine, line.card.preset)]
+        for column, scenario in columns.items():
+            own = [row for row in mine if row["route"] == "joint" and row["scenario"].startswith(scenario)]
+            far = [distance(row, figure) for row in own for figure in figures_of(row["scenario"])]
+            assert line.worst[column][0] == max(value for value in far if value is not None)
+    shipped, tuned = found[0].worst, found[1].worst
+    assert all(tuned[column][0] < shipped[column][0] for column in shipped)
+    # as people train, and with the effort that is recommended
+    assert shipped["as people train"][1].startswith("4/8: ")
+    assert tuned["as people train"][1].startswith("4/50: ")
+    assert tuned["contact"][0] < 0.05 < shipped["contact"][0]
+    assert not {"contact", "as people train"} & set(found[2].worst)
+
+
+def test_the_page_begins_with_it_and_folds_its_other_tables(whole: Sweep, browser: "Browser") -> None:
+    page, said = open_page(browser, whole.folder / "report.html")
+    heads = page.evaluate("[...document.querySelector('table').tHead.rows[0].cells].map(cell => cell.innerText)")
+    first = page.evaluate("document.querySelector('section').querySelectorAll('table').length")
+    legend = page.evaluate("[...document.querySelectorAll('.legend span')].map(one => one.className)")
+    told = page.evaluate("document.querySelector('section').querySelectorAll('.said dt').length")
+    loose = page.evaluate(
+        "[...document.querySelectorAll('section ~ section table')].filter(t => !t.closest('details')).length"
+    )
+    page.close()
+    assert said == []
+    assert [head.split("\n")[0].replace("\u00ad", "") for head in heads] == [
+        "engine", "free decay", "hold", "belt", "harmonic", "contact", "as people train"
+    ]  # fmt: skip
+    assert (first, told, loose) == (1, 2, 0)
+    assert legend == [f"grade-{grade}" for grade in range(5)]
+
+
+@pytest.mark.parametrize(
+    ("width", "tables"), [(1280, ".scroll"), (500, ".scroll:has(.compact)"), (360, ".scroll:has(.compact)")]
+)
+def test_nothing_is_cut(whole: Sweep, browser: "Browser", width: int, tables: str) -> None:
+    """Of any table on a screen of 1,280 pixels, of the matrix on a phone."""
+    page, _ = open_page(browser, whole.folder / "report.html", width=width)
+    page.evaluate("document.querySelectorAll('details').forEach(one => { one.open = true; })")
+    shown = page.evaluate(f"[...document.querySelectorAll('{tables}')].map(one => one.scrollWidth - one.clientWidth)")
+    beyond = page.evaluate("document.documentElement.scrollWidth")
+    page.close()
+    assert shown
+    assert max(shown) <= 0
+    assert beyond <= width
+
+
+def test_effort_is_drawn_with_what_is_recommended_and_its_cost(whole: Sweep) -> None:
+    page = (whole.folder / "report.html").read_text()
+    best = [one for one in efforts(list(whole.rows())) if one.recommended]
+    assert [(one.row["route"], one.effort) for one in best] == [("joint", (1, 50)), ("contact", (4, 50))]
+    for one in best:
+        assert f"at {number(one.steps_per_s / 1e3, 3)} thousand steps a second" in page
+    for name in ("creep", "rest", "decrement"):
+        assert f'id="plot-effort-{name}"' in page
+
+
 def test_distance_is_against_exact(rows: list[dict[str, Any]]) -> None:
     for row in rows:
         for figure in figures_of(row["scenario"]):
@@ -88,8 +178,6 @@ def test_conclusions_name_what_to_change_and_what_stays(rows: list[dict[str, Any
     assert "integrator to RK4" in text
     assert "linearDamping to 0" in text
     assert "what stays wrong after that: nothing above 1 %" in text
-    assert headline(cards(rows)).startswith("As shipped, MuJoCo is off by up to 100 % (x_k narrow)")
-    assert headline([]) == "No row of the joint route was run."
 
 
 def test_front_holds_what_nothing_beats(rows: list[dict[str, Any]]) -> None:

@@ -7,9 +7,9 @@ if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
 
-def open_page(browser: "Browser", path: Path, scheme: str = "light") -> tuple["Page", list[str]]:
+def open_page(browser: "Browser", path: Path, scheme: str = "light", width: int = 1366) -> tuple["Page", list[str]]:
     """A page that is drawn, with every word of its console, error, and request for anything but a file."""
-    page = browser.new_page(viewport={"width": 1366, "height": 800}, color_scheme=scheme)  # type: ignore[arg-type]
+    page = browser.new_page(viewport={"width": width, "height": 800}, color_scheme=scheme)  # type: ignore[arg-type]
     said: list[str] = []
     page.on("console", lambda message: said.append(f"{message.type}: {message.text}"))
     page.on("pageerror", lambda error: said.append(f"error: {error}"))

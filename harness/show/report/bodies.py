@@ -41,20 +41,17 @@ def bodies_section(
         return "µm/s" if any("creep_m_s" in line[scenario]["metrics"] for line in every if scenario in line) else "%"
 
     first: Callable[[Any], Row] = lambda line: next(iter(line.values()))  # noqa: E731
-    tables = []
-    caption = "All six freedoms are free. On a slope half of friction is asked for, or 97 %, in a grip a tenth."
+    tables: list[b.Block] = []
+    said = "All six freedoms are free. On a slope half of friction is asked for, or 97 %, in a grip a tenth."
     for title, some in (("A body that rests: creep", "µm/s"), ("A body that moves: deceleration off by", "%")):
         columns = [b.Column(one, b.by(one, cell), unit(one)) for one in scenarios if unit(one) == some]
-        tables.append(
-            b.tabulated(
-                "engine",
-                columns,
-                every,
-                lambda line: name(first(line)["engine"], first(line)["version"]),
-                lambda line: settings_of(first(line)),
-                lambda line: color(first(line)["engine"], first(line)["version"]),
-                caption=caption if some == "µm/s" else "",
-                title=title,
-            )
+        table = b.tabulated(
+            "engine",
+            columns,
+            every,
+            lambda line: name(first(line)["engine"], first(line)["version"]),
+            lambda line: settings_of(first(line)),
+            lambda line: color(first(line)["engine"], first(line)["version"]),
         )
-    return [b.Section("Bodies in contact", tables)]
+        tables.append(b.Folded(title, [table]))
+    return [b.Section("Bodies in contact", [b.Text(said), *tables])]

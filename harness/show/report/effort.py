@@ -6,21 +6,32 @@ from typing import Any
 
 from harness.fidelity.kind import Row, kind, release
 from harness.fidelity.matrix import TRAINED
+from harness.fidelity.scores import distance, figures_of
 from harness.show import blocks as b
-from harness.show.numbers import number
+from harness.show.numbers import engine_name, number
+from harness.show.plots import axes, plain
 
 _CREEPS = (1e-6, 1e-5, 1e-4, 1e-3)
 """m/s at which the colour changes; the second is rest for people."""
 _SHARES = (1e-4, 2e-3, 1e-2, 5e-2)
 _ALIKE, _FLOOR = 1.1, 1e-6
 """As good as full effort: no figure that many times as large. m/s and shares below which none counts."""
+_LINE = 3
+"""Efforts that a line needs."""
+_COLORS = ("#2b7fd6", "#e4632d", "#1f9e77", "#a45bc2", "#b58900", "#777777")
 _FULL = (100, 50)
+COMMON = (4, 8)
+"""With which policies are often trained."""
+_SHOWN = ("creep_m_s", "rest_error_m", "zeta_rel_error")
+"""Metrics that a section has."""
 _LEFT = ("iterations", "ls_iterations", "solimpfriction", "solreffriction", "integrator")
 
 
 @dataclass(slots=True)
 class Effort:
     """A set of settings. rest, slid : creep from rest, and the largest after a slide, m/s. decay : of the free decay.
+
+    worst : the largest distance from exact, and the label of its figure.
 
     steps_per_s : the most of its rows. recommended : the least iterations that are as good as full effort.
     """
@@ -30,6 +41,7 @@ class Effort:
     slid: float | None = None
     decay: Row | None = None
     errors: list[str] = field(default_factory=list)
+    worst: tuple[float, str] = (0.0, "")
     steps_per_s: float = 0.0
     recommended: bool = False
 
@@ -38,6 +50,9 @@ class Effort:
             self.errors.append(f"{row['scenario']}: {row['error']}")
             return
         self.steps_per_s = max(self.steps_per_s, row["steps_per_s"] or 0.0)
+        shown = (figure for figure in figures_of(row["scenario"]) if figure.metric in _SHOWN)
+        far = ((distance(row, figure), figure.label) for figure in shown)
+        self.worst = max((self.worst, *((value, label) for value, label in far if value is not None)))
         creep = row["metrics"].get("creep_m_s")
         if row["scenario"] == "free-decay":
             self.decay = row
@@ -97,9 +112,8 @@ def _as_good(one: Effort, full: Effort) -> bool:
     return all(own <= _ALIKE * most + _FLOOR for own, most in zip(one.figures, full.figures, strict=True))
 
 
-def effort_section(rows: Sequence[Row], name: Callable[[str, str], str]) -> list[b.Section]:
+def effort_section(every: Sequence[Effort], name: Callable[[str, str], str]) -> list[b.Section]:
     """The section of a page; none where a sweep has no such rows. name : of an engine, by its name and version."""
-    every = efforts(rows)
     if not every:
         return []
 
@@ -137,7 +151,55 @@ def effort_section(rows: Sequence[Row], name: Callable[[str, str], str]) -> list
     )
     notes = [f"{head(one)}: {text}" for one in every for text in one.errors]
     table = b.tabulated("effort", columns, every, head, lambda one: one.others, caption=caption, footnotes=notes)
-    return [b.Section("As people train", [b.Text(_said(every)), table])]
+    told = {head(one).partition(",")[0] + f", {one.others}": _told(one) for one in every if one.recommended}
+    folded = b.Folded(f"All {len(every)} settings", [table])
+    blocks: list[b.Block] = [b.Text(_said(every)), b.Facts(told, said=True), *_figures(every, name), folded]
+    return [b.Section("As people train", blocks)]
+
+
+def _told(one: Effort) -> str:
+    """What is recommended, what it does, and at what cost."""
+    rest, slid = (number(None if value is None else value * 1e6, 3) for value in (one.rest, one.slid))
+    rests, zeta = (number(_percent(one.off(metric)), 2) for metric in _SHOWN[1:])
+    speed = number(one.steps_per_s / 1e3, 3)
+    return (
+        f"Recommended: creep of {rest} µm/s from rest and {slid} µm/s after a slide, rest off by {rests} %,"
+        f" zeta by {zeta} %, at {speed} thousand steps a second."
+    )
+
+
+def _figures(every: Sequence[Effort], name: Callable[[str, str], str]) -> list[b.Figure]:
+    """Creep, rest and decrement against effort, a line for settings that differ in effort alone."""
+    groups: dict[str, list[Effort]] = {}
+    for one in sorted(every, key=lambda one: one.effort[::-1]):
+        groups.setdefault(f"{name(one.row['engine'], one.row['version'])} {one.row['route']}, {one.others}", []).append(
+            one
+        )
+    shown = {what: own for what, own in groups.items() if len(own) >= _LINE}
+    order = list(dict.fromkeys(one.effort for one in sorted(every, key=lambda one: one.effort[::-1])))
+    drawn: tuple[tuple[str, str, Callable[[Effort], float | None], str], ...] = (
+        ("creep", "creep after a slide / (µm/s)", lambda one: one.slid and 1e6 * one.slid, "Half of break-away."),
+        ("rest", "rest off / %", lambda one: _percent(one.off("rest_error_m")), "Free decay, over the release."),
+        ("decrement", "zeta off / %", lambda one: _percent(one.off("zeta_rel_error")), "Free decay, as estimated."),
+    )
+    figures = []
+    for what, axis, of, caption in drawn:
+        traces = []
+        for place, (group, own) in enumerate(shown.items()):
+            x, y = [f"{one.effort[0]}/{one.effort[1]}" for one in own], [of(one) for one in own]
+            marks = ["star" if one.recommended else "circle" for one in own]
+            marker = {"symbol": marks, "size": [13 if one.recommended else 7 for one in own]}
+            traces.append(plain(group, x, y, _COLORS[place % len(_COLORS)], mode="lines+markers", marker=marker))
+        layout = axes("iterations/ls_iterations", axis, margin={"l": 70, "r": 16, "t": 64, "b": 44})
+        layout["xaxis"] |= {"type": "category", "categoryarray": [f"{first}/{last}" for first, last in order]}
+        layout["yaxis"] |= {"type": "log", "exponentformat": "power", "dtick": 1}
+        said = f"{caption} A star is what is recommended."
+        figures += [b.Figure(f"effort-{what}", traces, layout, said, height=330)] if traces else []
+    return figures
+
+
+def _percent(share: float | None) -> float | None:
+    return None if share is None else 100.0 * abs(share)
 
 
 def _said(every: Sequence[Effort]) -> str:
@@ -150,8 +212,7 @@ def _said(every: Sequence[Effort]) -> str:
     cut = next((one for one in beside if one.effort == (4, 8)), None)
     text = "The line search decides, not the iterations: a hold from rest shows nothing, one that slid first does."
     if cut is not None and cut.slid is not None and right.slid is not None:
-        text += (
-            f" {right.row['engine']} with 4/8 creeps at {number(cut.slid * 1e6, 3)} µm/s after a slide, with"
-            f" {right.effort[0]}/{right.effort[1]} at {number(right.slid * 1e6, 3)} µm/s."
-        )
+        engine, slid, mended = engine_name(right.row["engine"]), *(number(1e6 * y, 3) for y in (cut.slid, right.slid))
+        effort = "/".join(map(str, right.effort))
+        text += f" {engine} with 4/8 creeps at {slid} µm/s after a slide, with {effort} at {mended} µm/s."
     return text

@@ -17,8 +17,9 @@ from harness.show import blocks as b
 from harness.show.numbers import number
 from harness.show.plots import Trace, axes, dots, plain
 from harness.show.report.bodies import bodies_section
-from harness.show.report.effort import effort_section
-from harness.show.sentences.sweep import about, headline, sentences
+from harness.show.report.effort import effort_section, efforts
+from harness.show.report.glance import STEPS, glance_section, glances
+from harness.show.sentences.sweep import about, sentences
 
 ROUTES = {
     "joint": "Joint friction",
@@ -28,8 +29,6 @@ ROUTES = {
 _COLORS = ("#e4632d", "#2b7fd6", "#1f9e77", "#a45bc2", "#b58900", "#d6457f", "#4bb3c4", "#7a8c2e", "#8c6d5a", "#777777")
 _MARKS = {"as-shipped": "circle-open", "tuned": "diamond"}
 _LOG = {"type": "log", "exponentformat": "power", "dtick": 1}
-STEPS = (1e-4, 2e-3, 1e-2, 5e-2)
-"""Relative distances from exact at which the colour changes."""
 _PERCENT = 100.0
 _DRAWN = 1500
 """Samples of a curve of the worst rows."""
@@ -62,7 +61,7 @@ class _Engines:
     def color(self, engine: str, version: str) -> str:
         return _COLORS[sorted(set(self.names.values())).index(self.names[engine, version]) % len(_COLORS)]
 
-    def table(self, corner: str, columns: Sequence[b.Column], rows: Sequence[Row], caption: str) -> b.Table:
+    def table(self, corner: str, columns: Sequence[b.Column], rows: Sequence[Row]) -> b.Table:
         """A line a row, each under its engine and, where the corner says so, its route."""
         return b.tabulated(
             corner,
@@ -71,7 +70,6 @@ class _Engines:
             lambda row: self.name(row["engine"], row["version"]) + f" {row['route']}" * ("route" in corner),
             lambda row: f"{row['version']}, {settings_of(row)}",
             lambda row: self.color(row["engine"], row["version"]),
-            caption=caption,
         )
 
 
@@ -86,14 +84,14 @@ def sweep_sections(
         for (name, version), place in places.items()
     }
     engines, scored, every = _Engines(named), cards(rows), rows
-    rows = [row for row in rows if row["preset"] != TRAINED]
+    rows, effort = [row for row in rows if row["preset"] != TRAINED], efforts(rows)
     said = [*sentences(scored), *notes]
     silent = [f"{one.engine}: {one.what}." for one in WITHOUT_EFFECT]
     alike = _one_step_each(rows)
     lifting = [row for row in alike if row["scenario"].startswith("free-decay") and row["slider"]["f_k"] > 0.0]
     lifting = [row for row in lifting if row["metrics"].get("lift_m") is not None]
     return [
-        b.verdict(headline(scored), heading="Conclusions"),
+        glance_section(glances(every, scored, effort), engines.name, engines.color),
         _scorecard(scored, engines),
         b.verdict("", said, [about(card) for card in scored], "What to change, and what stays wrong"),
         _pareto(rows, engines),
@@ -101,7 +99,7 @@ def sweep_sections(
         _creep(alike, engines),
         *([_lift(lifting, engines)] if lifting else []),
         *bodies_section(every, engines.name, engines.color),
-        *effort_section(every, engines.name),
+        *effort_section(effort, engines.name),
         *([_worst(worst, engines)] if worst else []),
         _servos(),
         b.verdict("", [*silent, _SILENT], [one.engine for one in WITHOUT_EFFECT], "Words that do nothing"),
@@ -130,7 +128,7 @@ def _scorecard(scored: Sequence[Card], engines: _Engines) -> b.Section:
         "0.01 %), red is off by more than 5 %. Small, below it, the measured value. What a column means, and every "
         "setting behind a figure, shows on hovering."
     )
-    tables: list[b.Table] = []
+    tables: list[b.Block] = []
     for route, title in ROUTES.items():
         lines = [card for card in scored if card.route == route]
         heads = {id(card): f"{engines.name(card.engine, card.version)} {card.preset}" for card in lines}
@@ -141,21 +139,18 @@ def _scorecard(scored: Sequence[Card], engines: _Engines) -> b.Section:
                 group = "free decay" if scenario.startswith("free-decay") else "hold, belt, harmonic force"
                 groups.setdefault(group, []).append(figure)
         for group, figures in groups.items():
-            tables.append(
-                b.tabulated(
-                    "engine",
-                    [b.Column(one.label, b.by(one, _scored), "", one.good) for one in figures],
-                    lines,
-                    lambda card: heads[id(card)],  # noqa: B023  (called at once)
-                    lambda card: f"{card.version}, {'' if card.dt_s is None else f'{card.dt_s * 1e3:.4g} ms'}",
-                    lambda card: engines.color(card.engine, card.version),
-                    caption="" if tables else caption,
-                    title=f"{title}: {group}",
-                    footnotes=notes,
-                )
+            table = b.tabulated(
+                "engine",
+                [b.Column(one.label, b.by(one, _scored), "", one.good) for one in figures],
+                lines,
+                lambda card: heads[id(card)],  # noqa: B023  (called at once)
+                lambda card: f"{card.version}, {'' if card.dt_s is None else f'{card.dt_s * 1e3:.4g} ms'}",
+                lambda card: engines.color(card.engine, card.version),
+                footnotes=notes,
             )
+            tables.append(b.Folded(f"{title}: {group}", [table]))
             notes = []
-    return b.Section("Scorecard", tables or [b.Text("There is nothing to show.")])
+    return b.Section("Scorecard", [b.Text(caption, "table-caption"), *tables] if tables else b.or_nothing([]))
 
 
 def _scored(card: Card, figure: Figure) -> b.Cell:
@@ -269,10 +264,9 @@ def _creep(rows: Sequence[Row], engines: _Engines) -> b.Section:
         b.Column("at 50 %", b.by("hold-50", creep), "µm/s", "creep at half of the break-away force"),
         b.Column("at 97 %", b.by("hold-97", creep), "µm/s", "creep at 97 % of the break-away force"),
     ]
-    caption = "A slider held below break-away does not move; what moves here is the engine's. Colour: against 1 µm/s."
-    return b.Section(
-        "Creep under a static load", [engines.table("engine, route", columns, list(found.values()), caption)]
-    )
+    said = "A slider held below break-away does not move; what moves here is the engine's. Colour: against 1 µm/s."
+    table = engines.table("engine, route", columns, list(found.values()))
+    return b.Section("Creep under a static load", [b.Text(said), b.Folded(f"All {len(found)} settings", [table])])
 
 
 def _lift(rows: Sequence[Row], engines: _Engines) -> b.Section:
@@ -303,11 +297,12 @@ def _lift(rows: Sequence[Row], engines: _Engines) -> b.Section:
         ),
         b.Column("position error", shown("max_error_m", _PERCENT, STEPS, True), "%", "over the release"),
     ]
-    caption = (
+    said = (
         "A friction cone that is solved as one turns sliding into lift, at a rate of mu v against gravity. The same "
         "free decay at one, three and ten times the size: a box stays on the floor where lift stays green."
     )
-    return b.Section("Contact: lift against mu v", [engines.table("engine", columns, rows, caption)])
+    table = engines.table("engine", columns, rows)
+    return b.Section("Contact: lift against mu v", [b.Text(said), b.Folded(f"All {len(rows)} rows", [table])])
 
 
 def _worst(found: Sequence[Worst], engines: _Engines) -> b.Section:
@@ -345,5 +340,5 @@ def _servos() -> b.Section:
     heads = [f"{'own drive' if one.own else 'held torque'}, n = {one.n}" for one in SERVOS]
     notes = [f"{head}: {one.who}." for head, one in zip(heads, SERVOS, strict=True)]
     named = dict(zip(SERVOS, heads, strict=True))
-    table = b.tabulated("n sub-steps", columns, SERVOS, named.__getitem__, caption=about, footnotes=notes)
-    return b.Section("A robot's servo", [table])
+    table = b.tabulated("n sub-steps", columns, SERVOS, named.__getitem__, footnotes=notes)
+    return b.Section("A robot's servo", [b.Text(about), b.Folded("False damping by how it is computed", [table])])

@@ -14,25 +14,6 @@ MOST = 3
 """Figures that a sentence names."""
 
 
-def headline(cards: Sequence[Card]) -> str:
-    """The worst figure of every engine as shipped, and the worst that is left after tuning, on the joint route."""
-    said = []
-    versions = {(card.engine, card.version, card.environment) for card in cards}
-    names = [engine for engine, _, _ in versions]
-    several = {name for name in names if names.count(name) > 1}
-    for preset, start in (("as-shipped", "As shipped"), ("tuned", "tuned")):
-        parts = []
-        for card in cards:
-            if card.route == "joint" and card.preset == preset:
-                label, value = max(_known(card).items(), key=lambda item: item[1], default=("", 0.0))
-                if label:
-                    name = about(card).partition(",")[0] if card.engine in several else engine_name(card.engine)
-                    parts.append(f"{name} is off by up to {percent(value)} ({label})")
-        if parts:
-            said.append(f"{start}, " + ", ".join(parts))
-    return "; ".join(said) + "." if said else "No row of the joint route was run."
-
-
 def sentences(cards: Sequence[Card]) -> list[str]:
     """For every engine and route: what is wrong as shipped, what to change, what that mends, what stays wrong."""
     said = []
