@@ -8,6 +8,7 @@ from benchmarks.registry import Pair, benchmark
 from harness.core.scenario import Scenario
 from harness.core.slider import Slider
 from harness.engines.base import Task, resolve
+from harness.engines.mujoco.held import held
 
 STEP, STEPS = 2e-3, 500
 SLIDERS = 1024
@@ -29,13 +30,11 @@ def _tasks(count: int, settings: dict[str, Any], steps: int) -> list[Task]:
 def _runs(tasks: list[Task], copies: int = 1) -> Any:
     """Compiled. copies : of every task, where they are many."""
     from harness.engines.mjx import MjxEngine
-    from harness.engines.mjx.presets import LACKING
-    from harness.engines.mjx.scan import Runs
-    from harness.engines.mujoco.held import held
 
     engine = MjxEngine()
     settings = [resolve(engine, task) for task in tasks]
-    return Runs([(held(task, one | LACKING), one) for task, one in zip(tasks, settings, strict=True)] * copies)
+    ready = [(held(task, engine.of_mujoco(one)), one) for task, one in zip(tasks, settings, strict=True)]
+    return engine.ready(ready * copies)
 
 
 def _pair(iterations: int, ls_iterations: int) -> Pair:

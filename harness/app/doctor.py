@@ -22,7 +22,7 @@ _EXTRAS = {
     "nptdms": ("recordings in .tdms files", "files"),
 }
 _ELSEWHERE = "python3.11 -m venv ENV; ENV/bin/pip install {0} scipy numba platformdirs; --engine {1}@ENV/bin/python"
-_REMEDY = {name: f"pip install 'friction-harness[{name}]'" for name in ("dart", "rapier", "drake", "mjx")} | {
+_REMEDY = {name: f"pip install 'friction-harness[{name}]'" for name in ("dart", "rapier", "drake", "mjx", "warp")} | {
     "physx": _ELSEWHERE.format("ovphysx physx-usd-schemas newton-usd-schemas", "physx") + " (NVIDIA's licence)",
     "newton": _ELSEWHERE.format("'newton[sim]'", "newton"),
 }

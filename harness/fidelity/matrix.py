@@ -172,7 +172,13 @@ _MJX_JOINT = (
     Variant("tuned", "tuned", (FINE,), _fixed(precision=32)),
     *(Variant(GPU, "as-shipped", (OWN,), _fixed(device="gpu", precision=bits)) for bits in (32, 64)),
 )
-_MJX_CONTACT = (
+_WARP_JOINT = (
+    _SHIPPED,
+    Variant("stiff", "as-shipped", (FINE,), _stiff_joint("implicitfast")),
+    _TUNED,
+    Variant(GPU, "as-shipped", (OWN,), _fixed(device="gpu")),
+)
+_BATCHED_CONTACT = (
     _SHIPPED_ALONE,
     Variant("elliptic", "as-shipped", (FINE,), _fixed(cone="elliptic", impratio=100.0)),
     Variant("tuned", "tuned", (FINE,)),
@@ -203,6 +209,8 @@ def _rounded(more: Callable[[float], Settings], chosen: tuple[tuple[int, int], .
 
 _HARD_CONE = _fixed(cone="elliptic", impratio=100.0)
 _SHORTER = ((100, 50), (4, 8), (1, 4))
+_FEWER = ((100, 50), (4, 8), (4, 20), (4, 30), (4, 50), (1, 50), (1, 4))
+_FEWEST = ((100, 50), (4, 8), (4, 50), (1, 50))
 _LONGER = ((100, 50), (4, 8), (4, 30), (4, 50), (1, 50))
 _EFFORT: dict[tuple[str, Route], tuple[Variant, ...]] = {
     ("mujoco", "joint"): (
@@ -218,11 +226,14 @@ _EFFORT: dict[tuple[str, Route], tuple[Variant, ...]] = {
         *_efforts(_fixed(cone="elliptic"), _SHORTER),
         *(_with(_HARD_CONE, tolerance=value) for value in (1e-5, 0.0)),
     ),
-    # each effort is compiled for itself
-    ("mjx", "joint"): tuple(
-        _rounded(_stiff_joint("Euler"), ((100, 50), (4, 8), (4, 20), (4, 30), (4, 50), (1, 50), (1, 4)))
+    # MJX compiles each effort for itself
+    ("mjx", "joint"): tuple(_rounded(_stiff_joint("Euler"), _FEWER)),
+    ("mjx", "contact"): tuple(_rounded(_HARD_CONE, _FEWEST)),
+    ("warp", "joint"): (
+        *_efforts(_stiff_joint("Euler"), _FEWER),
+        _with(_stiff_joint("Euler"), iterations=4, ls_iterations=8, noslip_iterations=10),
     ),
-    ("mjx", "contact"): tuple(_rounded(_HARD_CONE, ((100, 50), (4, 8), (4, 50), (1, 50)))),
+    ("warp", "contact"): tuple(_efforts(_HARD_CONE, _FEWEST)),
 }
 """Engines whose effort can be set."""
 _BODIES: dict[str, tuple[Variant, ...]] = {
@@ -253,7 +264,10 @@ _TABLE: dict[tuple[str, Route], tuple[Variant, ...]] = {
     ("newton", "law"): (_SHIPPED_ALONE, Variant("tuned", "tuned", (COARSE,))),
     ("mjx", "joint"): _MJX_JOINT,
     ("mjx", "law"): (_SHIPPED_ALONE, Variant("tuned", "tuned", (FINE,))),
-    ("mjx", "contact"): _MJX_CONTACT,
+    ("mjx", "contact"): _BATCHED_CONTACT,
+    ("warp", "joint"): _WARP_JOINT,
+    ("warp", "law"): (_SHIPPED_ALONE, Variant("tuned", "tuned", (FINE,))),
+    ("warp", "contact"): _BATCHED_CONTACT,
     ("mujoco", "joint"): _MUJOCO_JOINT,
     ("mujoco", "law"): _MUJOCO_LAW,
     ("mujoco", "contact"): _MUJOCO_CONTACT,

@@ -51,6 +51,8 @@ WORDS: list[tuple[str, str, dict[str, Any], dict[str, Any]]] = [
     ("mujoco", "contact", {"cone": "elliptic"}, {"solreffriction": (0.05, 1.0)}),
     ("mjx", "joint", {}, {"solreffriction": (0.05, 1.0)}),
     ("mjx", "joint", {}, {"precision": 64}),
+    ("warp", "joint", {}, {"solreffriction": (0.05, 1.0)}),
+    ("warp", "joint", {}, {"noslip_iterations": 50}),
     ("pybullet", "contact", {}, {"frictionAnchor": True}),
     ("rapier", "joint", {}, {"num_solver_iterations": 1}),
     ("rapier", "contact", {}, {"friction_model": "COULOMB"}),

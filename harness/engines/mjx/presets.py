@@ -5,12 +5,13 @@ from typing import Any, Final
 from harness.core.errors import InputError
 from harness.engines.base import Preset, Route, choice
 from harness.engines.mujoco import presets as mujoco
-from harness.engines.stepping import SINGLE_PRECISION
 
 INTEGRATORS: Final = ("Euler", "RK4", "implicitfast")
 SOLVERS: Final = ("CG", "Newton")
 PRECISIONS: Final = (32, 64)
 DEVICES: Final = ("cpu", "gpu")
+COMPILED_IN: Final = ("integrator", "solver", "iterations", "ls_iterations", "cone", "precision", "device")
+"""Settings that a program is compiled for, beside the route and whether the joint rubs."""
 LACKING: Final = {"noslip_iterations": 0, "noslip_tolerance": 1e-6}
 """Settings of MuJoCo that MJX takes and drops without a word: here they are none."""
 
@@ -33,9 +34,3 @@ def check(settings: dict[str, Any]) -> None:
         choice(f"mjx setting {name}", settings[name], accepted)
     if settings["precision"] not in PRECISIONS:
         raise InputError("mjx setting precision", str(settings["precision"]), "32 or 64 is accepted")
-
-
-def unused(settings: dict[str, Any], shipped: dict[str, Any], route: Route) -> tuple[str, ...]:
-    """What has no effect on this route, or is rounded, one sentence each."""
-    found = mujoco.unused(settings | LACKING, shipped | LACKING, route)
-    return found if settings["precision"] == 64 else (*found, SINGLE_PRECISION)

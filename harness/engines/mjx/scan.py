@@ -11,9 +11,8 @@ from harness.core.errors import SimulationError
 from harness.core.jit import cache_folder
 from harness.core.quiet import quiet
 from harness.engines.base import Route
-from harness.engines.joint_words import GRAVITY
-from harness.engines.mujoco.held import Held, Recorded
-from harness.engines.samples import UNSATURATED
+from harness.engines.mujoco.at_once import Ready
+from harness.engines.mujoco.held import OF_MODEL, Held, Recorded
 
 log = logging.getLogger("harness.engines.mjx")
 
@@ -27,52 +26,18 @@ if jax.config.jax_compilation_cache_dir is None:
 
 BLOCK = 256
 """Steps of a scan, whose length is compiled into it: a longer run is several, and what is too much is cut off."""
-SINGLE_STICKS = 1.0 - 1e-5
-"""UNSATURATED in single precision."""
-NEARLY_NONE = 1e-9
-"""Friction of a joint that slides without, over that at which it breaks away."""
-_COMPILED_IN = ("integrator", "solver", "iterations", "ls_iterations", "cone", "precision", "device")
 _OPTIONS = ("timestep", "tolerance", "impratio")
-_OF_MODEL = (
-    "body_mass",
-    "body_subtreemass",
-    "body_inertia",
-    "body_invweight0",
-    "jnt_stiffness",
-    "dof_damping",
-    "dof_frictionloss",
-    "dof_invweight0",
-    "dof_M0",
-    "dof_solref",
-    "dof_solimp",
-    "pair_friction",
-    "pair_solref",
-    "pair_solimp",
-    "pair_solreffriction",
-)
-"""Arrays in which the models of two sliders, or of two settings, differ."""
-
 _programs: dict[tuple[Any, ...], Callable[..., Any]] = {}
 """By what is compiled in."""
 
 
-def structure(held: Held, settings: dict[str, Any]) -> tuple[Any, ...]:
-    """What is compiled in: runs of one structure differ in numbers alone."""
-    return held.task.route, held.rubs, *(settings[name] for name in _COMPILED_IN)
-
-
-def sticks_below(settings: dict[str, Any]) -> float:
-    """Share of its limit below which friction sticks."""
-    return UNSATURATED if settings["precision"] == 64 else SINGLE_STICKS
-
-
-class Runs:
-    """Tasks of one structure, with their settings, compiled and ready to run at once.
+class Scans:
+    """Tasks of one structure, compiled and ready to run at once. sticks : see harness.engines.stepping.Stepped.
 
     Raises SimulationError for a device that is not here.
     """
 
-    def __init__(self, tasks: Sequence[tuple[Held, dict[str, Any]]]) -> None:
+    def __init__(self, tasks: Sequence[Ready], structure: tuple[Any, ...], sticks: float) -> None:
         (first, self._settings), count = tasks[0], len(tasks)
         self._lengths = [held.push.size for held, _ in tasks]
         blocks = -(-max(self._lengths) // BLOCK)
@@ -84,9 +49,9 @@ class Runs:
             shape = jax.tree.structure(_numbers(*tasks[0]))
             self._numbers, self._state = jax.tree.unflatten(shape, map(jnp.asarray, stacked))
             self._parts = [jnp.asarray(part) for part in np.split(pushes, blocks, axis=1)]
-            compiled_in = (*structure(*tasks[0]), count)
+            compiled_in = (*structure, count)
             if compiled_in not in _programs:
-                made = _program(mjx.put_model(first.model, device), first, self._settings, count)
+                made = _program(mjx.put_model(first.model, device), first, self._settings, count, sticks)
                 given = (self._numbers, self._state, self._parts[0])
                 _programs[compiled_in] = jax.jit(made).lower(*given).compile()
             self._program = _programs[compiled_in]
@@ -115,26 +80,17 @@ class Runs:
 
 def _numbers(held: Held, settings: dict[str, Any]) -> tuple[dict[str, Any], tuple[Any, ...]]:
     """What a program is given besides its structure, and the state at the start."""
-    model, slider = held.model, held.task.scenario.slider
-    spring = held.task.restoring == "spring"
-    numbers = {
-        "model": {name: np.array(getattr(model, name)) for name in _OF_MODEL},
-        "options": {name: np.array(getattr(model.opt, name)) for name in _OPTIONS},
-        # a joint whose friction goes to 0 is locked
-        "f_k": np.array(max(slider.f_k, NEARLY_NONE * slider.break_away)),
-        "f_s": np.array(slider.break_away),
-        "weight": np.array(slider.m * GRAVITY),
-        "spring": np.array([slider.k if spring else 0.0, slider.c]),
-        # what stops the joint in a step
-        "metric": np.array(slider.m / settings["dt"] + (0.0 if settings["integrator"] == "RK4" else slider.c)),
-    }
+    model = held.model
+    numbers: dict[str, Any] = {name: np.array(value) for name, value in held.numbers(settings).items()}
+    numbers["model"] = {name: np.array(getattr(model, name)) for name in OF_MODEL}
+    numbers["options"] = {name: np.array(getattr(model.opt, name)) for name in _OPTIONS}
     return numbers, (held.q, held.speed, np.zeros(model.nv), np.array(held.stuck))
 
 
-def _program(mx: Any, first: Held, settings: dict[str, Any], count: int) -> Callable[..., Any]:
+def _program(mx: Any, first: Held, settings: dict[str, Any], count: int, sticks: float) -> Callable[..., Any]:
     """From numbers, state and pushes (count, BLOCK) to state and records (count, 7, BLOCK), see Recorded."""
     route: Route = first.task.route
-    stages, rubs, sticks = settings["integrator"] == "RK4", first.rubs, sticks_below(settings)
+    stages, rubs = settings["integrator"] == "RK4", first.rubs
     empty = mjx.make_data(mx)
     zero, nowhere = jnp.zeros(()), jnp.zeros(mx.nv)
 
@@ -148,7 +104,7 @@ def _program(mx: Any, first: Held, settings: dict[str, Any], count: int) -> Call
 
     def one(numbers: dict[str, Any], state: tuple[Any, ...], pushes: Any) -> Any:
         model = mx.replace(**numbers["model"], opt=mx.opt.replace(**numbers["options"]))
-        (k, c), weight = numbers["spring"], numbers["weight"]
+        weight = numbers["weight"]
 
         def step(carried: Any, push: Any) -> Any:
             d, stuck = carried
@@ -156,7 +112,7 @@ def _program(mx: Any, first: Held, settings: dict[str, Any], count: int) -> Call
             m, q, speed = limited(model, limit, weight), d.qpos, d.qvel
             friction = zero
             if route == "law":
-                others = push - k * q[0] - c * speed[0]
+                others = push - numbers["spring"] * q[0] - numbers["damper"] * speed[0]
                 friction = jnp.clip(numbers["metric"] * speed[0] + others, -limit, limit)
             d = d.replace(qfrc_applied=nowhere.at[0].set(push - friction))
             # after the stages data are those of the last one

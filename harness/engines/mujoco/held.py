@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 from typing import Any
 
+import mujoco
 import numpy as np
 
 from harness.core.arrays import FloatArray
@@ -12,6 +13,26 @@ from harness.engines.mujoco.build import spec_of
 from harness.engines.mujoco.engine import rest_height
 from harness.engines.mujoco.presets import warned
 from harness.engines.samples import UNSATURATED, Motion, belt_speed, driving_force, held_at_start
+
+OF_MODEL = (
+    "body_mass",
+    "body_subtreemass",
+    "body_inertia",
+    "body_invweight0",
+    "jnt_stiffness",
+    "dof_damping",
+    "dof_frictionloss",
+    "dof_invweight0",
+    "dof_solref",
+    "dof_solimp",
+    "pair_friction",
+    "pair_solref",
+    "pair_solimp",
+    "pair_solreffriction",
+)
+"""Arrays in which the models of two sliders, or of two settings, differ."""
+NEARLY_NONE = 1e-9
+"""Friction of a joint that slides without, over that at which it breaks away: none at all would lock it in MJX."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +74,20 @@ class Held:
         """Whether the joint has dry friction of its own."""
         return self.task.route == "joint" and self.task.scenario.slider.break_away > 0.0
 
+    def numbers(self, settings: dict[str, Any]) -> dict[str, float]:
+        """What a program needs besides the model: levels of friction and weight, N; spring, damper; on the law route
+        the inertia over the step that stops the joint within it, kg/s.
+        """
+        slider = self.task.scenario.slider
+        return {
+            "f_k": max(slider.f_k, NEARLY_NONE * slider.break_away),
+            "f_s": slider.break_away,
+            "weight": slider.m * GRAVITY,
+            "spring": slider.k if self.task.restoring == "spring" else 0.0,
+            "damper": slider.c,
+            "metric": slider.m / settings["dt"] + (0.0 if settings["integrator"] == "RK4" else slider.c),
+        }
+
     def motion(self, found: Recorded, dt: float, sticks_below: float = UNSATURATED) -> Motion:
         """In the frame of the laboratory. sticks_below : see harness.engines.stepping.Stepped."""
         task, slider = self.task, self.task.scenario.slider
@@ -86,6 +121,8 @@ def held(task: Task, settings: dict[str, Any]) -> Held:
     if task.route == "contact":
         with warned():
             q[1] = rest_height(model)
+    # a word of MuJoCo's own about runs that diverge
+    model.opt.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
     t: FloatArray = np.arange(task.steps(dt) + 1, dtype=np.float64) * dt
     start = _push(task, t, frame)
     middle = _push(task, t + 0.5 * dt, frame) if settings["integrator"] == "RK4" else start

@@ -1,8 +1,9 @@
-"""MJX: MuJoCo's motion in double precision, what it drops without a word, and what a cut line search leaves in it.
+"""MJX and MuJoCo Warp: MuJoCo's motion, what they drop without a word, and what a cut line search leaves in them.
 
-Run where the extra mjx is installed; every structure of a run costs a compilation.
+Run where the extras mjx and warp are installed, since both compile for minutes.
 """
 
+from pathlib import Path
 from typing import Any
 
 import mujoco
@@ -22,7 +23,17 @@ from harness.fidelity.laws import line_search_creep
 from harness.fidelity.matrix import GPU, TRAINED, Matrix
 from harness.fidelity.scenarios.slid import MIDDLE
 
-pytestmark = pytest.mark.skipif("mjx" not in INSTALLED, reason="mjx is not installed")
+
+def only(name: str) -> pytest.MarkDecorator:
+    return pytest.mark.skipif(name not in INSTALLED, reason=f"{name} is not installed")
+
+
+BOTH = [pytest.param(name, marks=only(name)) for name in ("mjx", "warp")]
+ROUNDED: list[tuple[str, dict[str, Any], float]] = [
+    ("mjx", {"precision": 64}, 1e-13),
+    ("mjx", {"precision": 32}, 1e-5),
+    ("warp", {}, 1e-5),
+]
 
 STEP = 2e-3
 SCENARIOS = {
@@ -32,34 +43,47 @@ SCENARIOS = {
 }
 
 
-@pytest.mark.parametrize(("precision", "slack"), [(64, 1e-13), (32, 1e-5)])
+@pytest.mark.parametrize(
+    ("name", "chosen", "slack"), [pytest.param(*row, marks=only(row[0])) for row in ROUNDED], ids=str
+)
 @pytest.mark.parametrize("scenario", SCENARIOS.values(), ids=SCENARIOS)
-def test_as_shipped_it_moves_as_mujoco_to_the_rounding_of_its_numbers(
-    scenario: Scenario, precision: int, slack: float
+def test_as_shipped_they_move_as_mujoco_to_the_rounding_of_their_numbers(
+    scenario: Scenario, name: str, chosen: dict[str, Any], slack: float
 ) -> None:
-    own = engine("mjx").simulate(Task(scenario, "joint", "as-shipped", settings={"precision": precision}))
+    own = engine(name).simulate(Task(scenario, "joint", "as-shipped", settings=chosen))
     of_c = engine("mujoco").simulate(Task(scenario, "joint", "as-shipped"))
     assert np.abs(own.x - of_c.x).max() < slack
     assert np.abs(own.v - of_c.v).max() < 20.0 * slack
-    assert any("single" in line for line in own.source.ignored) == (precision == 32)
+    assert any("single" in line for line in own.source.ignored) == (slack > 1e-9)
 
 
-def test_a_device_or_a_setting_that_it_has_not_is_refused() -> None:
-    for chosen, message in (
-        ({"noslip_iterations": 10}, "unknown; one of"),
-        ({"integrator": "implicit"}, "one of Euler, RK4, implicitfast is accepted"),
-        ({"integrator": "discrete"}, "one of Euler, RK4, implicitfast is accepted"),
-        ({"solver": "PGS"}, "one of CG, Newton is accepted"),
-        ({"precision": 16}, "32 or 64 is accepted"),
-        ({"device": "tpu"}, "one of cpu, gpu is accepted"),
-    ):
-        with pytest.raises(InputError, match=message):
-            engine("mjx").simulate(Task(decay(duration=0.1), "joint", settings=chosen))
-    import jax
+REFUSED: list[tuple[str, dict[str, Any], str]] = [
+    ("mjx", {"noslip_iterations": 10}, "unknown; one of"),
+    ("mjx", {"integrator": "implicit"}, "one of Euler, RK4, implicitfast is accepted"),
+    ("mjx", {"integrator": "discrete"}, "one of Euler, RK4, implicitfast is accepted"),
+    ("mjx", {"solver": "PGS"}, "one of CG, Newton is accepted"),
+    ("mjx", {"precision": 16}, "32 or 64 is accepted"),
+    ("mjx", {"device": "tpu"}, "one of cpu, gpu is accepted"),
+    ("warp", {"integrator": "discrete"}, "one of Euler, RK4, implicit, implicitfast is accepted"),
+    ("warp", {"solver": "PGS"}, "one of CG, Newton is accepted"),
+    ("warp", {"precision": 64}, "unknown; one of"),
+    ("warp", {"device": "tpu"}, "one of cpu, gpu is accepted"),
+]
 
-    if jax.default_backend() == "cpu":
-        with pytest.raises(SimulationError, match="no gpu that jax can use"):
-            engine("mjx").simulate(Task(decay(duration=0.1), "joint", settings={"device": "gpu"}))
+
+@pytest.mark.parametrize(
+    ("name", "chosen", "message"), [pytest.param(*row, marks=only(row[0])) for row in REFUSED], ids=str
+)
+def test_a_setting_that_they_have_not_is_refused(name: str, chosen: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        engine(name).simulate(Task(decay(duration=0.1), "joint", settings=chosen))
+
+
+@pytest.mark.skipif(Path("/dev/nvidiactl").exists(), reason="there is a GPU")
+@pytest.mark.parametrize("name", BOTH)
+def test_a_gpu_that_is_not_here_is_an_error_that_says_so(name: str) -> None:
+    with pytest.raises(SimulationError, match=f"{name}: no gpu that"):
+        engine(name).simulate(Task(decay(duration=0.1), "joint", settings={"device": "gpu"}))
 
 
 DROPPED = {
@@ -116,65 +140,84 @@ def moved() -> Any:
         yield lambda friction: np.asarray(compiled(friction))
 
 
-def test_it_drops_polynomials_yield_noslip_and_what_a_motor_adds_without_a_word(moved: Any) -> None:
+@only("mjx")
+def test_mjx_drops_polynomials_yield_noslip_and_what_a_motor_adds_without_a_word(moved: Any) -> None:
     with_words, without = _pushed(_scene(words=True, noslip=50)), _pushed(_scene(words=False, noslip=0))
     assert np.all(np.abs(with_words - without) > 1e-5)
     # the solver stops at a tolerance of 1e-8
     assert moved(3.0) == pytest.approx(without, abs=1e-10)
 
 
-def test_it_locks_a_joint_whose_friction_becomes_nothing_at_run_time(moved: Any) -> None:
+@only("mjx")
+def test_mjx_locks_a_joint_whose_friction_becomes_nothing_at_run_time(moved: Any) -> None:
     assert abs(moved(0.0)[-1]) < 1e-3
     assert moved(1e-9)[-1] == pytest.approx(0.5 * 1.5 * 0.4**2, rel=0.01)
 
 
-def test_many_at_once_move_as_each_alone_and_what_cannot_run_says_so_in_its_place() -> None:
+@only("warp")
+def test_warp_drops_none_of_them() -> None:
+    import mujoco_warp
+    import warp
+
+    compiled = _scene(words=True, noslip=50)
+    with warp.ScopedDevice("cpu"):
+        model, data = mujoco_warp.put_model(compiled), mujoco_warp.make_data(compiled)
+        data.qfrc_applied.fill_(1.5)
+        data.qvel.assign(np.array([[*[0.3] * (compiled.nv - 1), 0.0]]))
+        for _ in range(200):
+            mujoco_warp.step(model, data)
+        assert data.qpos.numpy()[0] == pytest.approx(_pushed(compiled), abs=1e-6)
+
+
+@pytest.mark.parametrize("name", BOTH)
+def test_many_at_once_move_as_each_alone_and_what_cannot_run_says_so_in_its_place(name: str) -> None:
     random = np.random.default_rng(8)
     tasks: list[Task] = []
     for _ in range(4):
         slider = Slider(*(float(one) for one in random.uniform((0.3, 0.2, 60.0, 1.0), (3.0, 2.0, 140.0, 4.0))))
         scenario = decay(slider, 1.0, float(random.uniform(0.3, 0.9)))
-        tasks.append(Task(scenario, "joint", "as-shipped", settings={"precision": 64}))
+        tasks.append(Task(scenario, "joint", "as-shipped"))
     tasks.insert(2, Task(decay(), "joint", restoring="pendulum"))
     tasks.insert(4, Task(decay(Slider(1.0, 1.0, 100.0, 0.0), 1.0, 0.4), "joint", "as-shipped"))
-    found = engine("mjx").simulate_all(tasks)
+    found = engine(name).simulate_all(tasks)
     assert isinstance(found[2], SimulationError)
     for task, one in zip(tasks, found, strict=True):
         if one is not found[2]:
             assert isinstance(one, Trajectory)
-            alone = engine("mjx").simulate(task)
+            alone = engine(name).simulate(task)
             assert one.t.size == alone.t.size
-            assert np.abs(one.x - alone.x).max() < 1e-12
+            assert np.abs(one.x - alone.x).max() < 1e-5
 
 
-def creep(slider: Slider, speed: float, iterations: int, ls_iterations: int, precision: int) -> float:
+def creep(name: str, slider: Slider, speed: float, iterations: int, ls_iterations: int, **more: Any) -> float:
     """m/s, after a slide, as tests/fidelity/test_effort.py has it of MuJoCo."""
-    effort = {"iterations": iterations, "ls_iterations": ls_iterations, "precision": precision}
+    effort = {"iterations": iterations, "ls_iterations": ls_iterations, **more}
     scenario = MIDDLE.slide(slider, speed)
-    trace = engine("mjx").simulate(Task(scenario, "joint", "as-shipped", STEP, effort | stiff(STEP)))
+    trace = engine(name).simulate(Task(scenario, "joint", "as-shipped", STEP, effort | stiff(STEP)))
     found = MIDDLE.measure(trace, scenario)["creep_m_s"]
     assert found is not None
     return abs(found)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("precision", [32, 64])
+@pytest.mark.parametrize(("name", "chosen"), [pytest.param(*row[:2], marks=only(row[0])) for row in ROUNDED], ids=str)
 @settings(max_examples=6, deadline=None, derandomize=True)
 @given(m=st.floats(0.1, 10.0), f=st.floats(0.3, 30.0), steps=st.floats(20.0, 120.0))
 def test_the_search_that_is_recommended_is_as_good_as_full_effort(
-    precision: int, m: float, f: float, steps: float
+    name: str, chosen: dict[str, Any], m: float, f: float, steps: float
 ) -> None:
     slider = Slider(m, 0.0, 1e-3 * f, f)
     speed = steps * 0.5 * f / m * STEP
-    full = creep(slider, speed, 100, 50, precision)
-    assert creep(slider, speed, 1, 50, precision) <= 1.01 * full + line_search_creep(m, f, STEP, 30)
+    full = creep(name, slider, speed, 100, 50, **chosen)
+    assert creep(name, slider, speed, 1, 50, **chosen) <= 1.01 * full + line_search_creep(m, f, STEP, 30)
 
 
-def test_rows_of_a_gpu_are_made_where_they_are_asked_for_alone() -> None:
-    engines = {"mjx": engine("mjx")}
+@pytest.mark.parametrize("name", BOTH)
+def test_rows_of_a_gpu_are_made_where_they_are_asked_for_alone(name: str) -> None:
+    engines = {name: engine(name)}
     assert not [spec for spec in Matrix().specs(engines) if spec.preset == GPU]
     asked = list(Matrix(presets=(GPU,)).specs(engines))
     assert asked
     assert all(dict(spec.changed)["device"] == "gpu" and "device=gpu" in spec.name for spec in asked)
-    trained = {dict(spec.changed)["precision"] for spec in Matrix(presets=(TRAINED,)).specs(engines)}
-    assert trained == {32, 64}
+    trained = [dict(spec.changed) for spec in Matrix(presets=(TRAINED,)).specs(engines)]
+    assert {one.get("precision") for one in trained} == ({32, 64} if name == "mjx" else {None})
