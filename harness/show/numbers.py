@@ -197,6 +197,8 @@ _ENGINES = {
     "drake": "Drake",
     "physx": "PhysX",
     "newton": "Newton",
+    "mjx": "MJX",
+    "warp": "MuJoCo Warp",
     "reference": "the reference",
 }
 

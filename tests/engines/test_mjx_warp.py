@@ -3,13 +3,14 @@
 Run where the extras mjx and warp are installed, since both compile for minutes.
 """
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
-from engine_cases import INSTALLED, decay, engine, stiff
+from engine_cases import INSTALLED, decay, engine, sliders, stiff
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -187,6 +188,24 @@ def test_many_at_once_move_as_each_alone_and_what_cannot_run_says_so_in_its_plac
             alone = engine(name).simulate(task)
             assert one.t.size == alone.t.size
             assert np.abs(one.x - alone.x).max() < 1e-5
+            of_c = engine("mujoco").simulate(task)
+            assert np.abs(one.x - of_c.x).max() < 1e-5
+
+
+@pytest.mark.parametrize("name", BOTH)
+def test_the_same_slider_many_times_moves_the_same_in_every_world_to_the_last_bit(name: str) -> None:
+    found = engine(name).simulate_all([Task(decay(duration=1.0), "joint", "as-shipped")] * 16)
+    assert all(isinstance(one, Trajectory) for one in found)
+    assert len({one.x.tobytes() + one.v.tobytes() for one in found if isinstance(one, Trajectory)}) == 1
+
+
+@only("mjx")
+def test_sliders_of_other_masses_springs_and_friction_move_as_in_mujoco_to_the_last_digits() -> None:
+    """One program serves them all: what differs between their models is given to it."""
+    for slider in sliders(seed=3, count=5):
+        task = Task(decay(slider, 1.0, 0.5), "joint", "as-shipped", settings={"precision": 64} | stiff(STEP))
+        own, of_c = engine("mjx").simulate(task), engine("mujoco").simulate(replace(task, settings=stiff(STEP)))
+        assert np.abs(own.x - of_c.x).max() < 1e-11, slider
 
 
 def creep(name: str, slider: Slider, speed: float, iterations: int, ls_iterations: int, **more: Any) -> float:
