@@ -51,8 +51,9 @@ class Problem(ABC):
     zero_free : x is measured from an unknown zero. zero_chosen : nobody said whether it is. angular : x or a was given
     as an angle. starts : from where it is simulated. drive : the measured force as the solver takes it, None where none
     acts. covariates : by name, measured columns that act too: given, not predicted. acting : how each enters, where the
-    motion is followed. force_noise : what the own noise of a measured force, or of a covariate, does to the whole; None
-    where nothing shows and every start is known.
+    motion is followed. enters : how each was found to, and what mass was taken, one sentence each. force_noise : what
+    the own noise of a measured force, or of a covariate, does to the whole; None where nothing shows and every start is
+    known.
     """
 
     t: FloatArray = field(kw_only=False)
@@ -70,6 +71,7 @@ class Problem(ABC):
     drive: Drive | None = None
     covariates: Mapping[str, FloatArray] = field(default_factory=dict)
     acting: tuple[Acting, ...] = ()
+    enters: tuple[str, ...] = ()
     force_noise: ForceNoise | None = None
     provides: ClassVar[frozenset[str]] = frozenset()
     """What a term may need that every problem of this kind has; see ``given``."""
@@ -197,8 +199,9 @@ class Problem(ABC):
     def choices(self) -> tuple[str, ...]:
         """What was chosen before the search and belongs beside the verdict, one sentence each."""
         if self.jitter <= 0.0:
-            return ()
-        return (f"The time stamps jitter by {1e3 * self.jitter:.2g} ms; samples count less where the signal is fast.",)
+            return self.enters
+        jitter = f"The time stamps jitter by {1e3 * self.jitter:.2g} ms; samples count less where the signal is fast."
+        return (*self.enters, jitter)
 
     @property
     def slow_is_sensors(self) -> bool:

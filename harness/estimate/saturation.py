@@ -45,7 +45,7 @@ def within_range(recording: Recording, channels: Sequence[str]) -> tuple[Recordi
         if name not in recording:
             continue
         y = recording[name]
-        out = saturated(recording.t, y, channel_noise(recording.t, y))
+        out = saturated(recording.t, y, channel_noise(recording.t, y), speed=name == "v")
         if not out.any():
             continue
         lost |= out
@@ -58,11 +58,11 @@ def within_range(recording: Recording, channels: Sequence[str]) -> tuple[Recordi
     return without(recording, lost, notes, "within the sensor's range"), tuple(notes)
 
 
-def saturated(t: FloatArray, y: FloatArray, noise: Noise) -> BoolArray:
+def saturated(t: FloatArray, y: FloatArray, noise: Noise, speed: bool = False) -> BoolArray:
     """Samples (n,) of a channel y (n,), at times t (n,), s, that are its largest or smallest value and no measurement.
 
-    noise : of the channel. Every sample of that value is one as soon as one run of them is shown to be cut off at each
-    side that was recorded.
+    noise : of the channel. speed : whether what runs down to 0 may rest there. Every sample of that value is one as
+    soon as one run of them is shown to be cut off at each side that was recorded.
     """
     found = np.zeros(y.size, dtype=np.bool_)
     if y.size < 2 * _BESIDE[0] or float(np.ptp(y)) == 0.0:
@@ -70,7 +70,8 @@ def saturated(t: FloatArray, y: FloatArray, noise: Noise) -> BoolArray:
     for side in (1.0, -1.0):
         limit = float((side * y).max())
         at = side * y == limit
-        if any(_cut_off(t, side * y - limit, noise, run) for run in _runs(at)):
+        runs = [one for one in _runs(at) if not (speed and limit == 0.0 and (one[0] == 0 or one[1] == y.size))]
+        if any(_cut_off(t, side * y - limit, noise, run) for run in runs):
             found |= at
     return found
 

@@ -133,7 +133,7 @@ def unit_of(table: Table, mapping: Mapping, positions: list[int], constants: lis
     if mapping.unit is not None:
         return parse_unit(f"--columns, channel {mapping.channel}", mapping.channel, mapping.unit)
     moving = [i for i, constant in zip(positions, constants, strict=True) if not constant]
-    if len(moving) != 1 or any(constants):
+    if len(moving) != 1 or any(constants) or moving[0] < 0:
         return parse_unit("", mapping.channel, None)
     header = table.units.get(moving[0])
     means = meaning(table.names[moving[0]])

@@ -27,39 +27,21 @@ _CLOCKS = {"nanosec": "ns", "nsecs": "ns", "millis": "ms", "micros": "us", "msec
 _OWN = {"rpm": "rpm"}
 """Names that are a unit."""
 ENDINGS: dict[str, dict[str, str]] = {
-    "t": {
-        "s": "s",
-        "sec": "s",
-        "seconds": "s",
-        "ms": "ms",
-        "milliseconds": "ms",
-        "us": "us",
-        "microseconds": "us",
-        "ns": "ns",
-    },
-    "x": {
-        "m": "m",
-        "mm": "mm",
-        "cm": "cm",
-        "um": "um",
-        "rad": "rad",
-        "radians": "rad",
-        "deg": "deg",
-        "degrees": "deg",
-        "mrad": "mrad",
-    },
-    "v": {
-        "m_s": "m/s",
-        "mm_s": "mm/s",
-        "cm_s": "cm/s",
-        "rad_s": "rad/s",
-        "deg_s": "deg/s",
-        "rpm": "rpm",
-        "mps": "m/s",
-        "dps": "deg/s",
-    },
-    "a": {"m_s2": "m/s^2", "mm_s2": "mm/s^2", "rad_s2": "rad/s^2", "deg_s2": "deg/s^2", "g": "g", "mg": "mg"},
-    "u": {"n": "N", "mn": "mN", "kn": "kN", "nm": "N*m", "n_m": "N*m", "mnm": "mN*m", "lbf": "lbf"},
+    channel: dict(zip(words.split()[::2], words.split()[1::2], strict=True))
+    for channel, words in {
+        "t": "s s sec s secs s second s seconds s ms ms msec ms millis ms milliseconds ms us us usec us micros us "
+        "microseconds us ns ns nsec ns nanoseconds ns min min minutes min h h hours h",
+        "x": "m m meters m metres m mm mm millimeters mm cm cm um um km km inch inch inches inch ft ft feet ft "
+        "rad rad radians rad deg deg degrees deg mrad mrad rev rev revs rev turns rev revolutions rev",
+        "v": "m_s m/s ms m/s mps m/s m_per_s m/s mm_s mm/s mmps mm/s mm_per_s mm/s cm_s cm/s cmps cm/s cm_per_s cm/s "
+        "km_h km/h kmh km/h kmph km/h kph km/h km_per_h km/h mph mile/hour mi_h mile/hour ft_s ft/s fps ft/s "
+        "knots knot kn knot kt knot kts knot rad_s rad/s rads rad/s rad_sec rad/s radps rad/s rad_per_s rad/s "
+        "deg_s deg/s degs deg/s deg_sec deg/s degps deg/s dps deg/s deg_per_s deg/s "
+        "rpm rpm rps rev/s rev_s rev/s rev_min rpm rev_per_min rpm",
+        "a": "m_s2 m/s^2 m_s_2 m/s^2 ms2 m/s^2 mps2 m/s^2 m_per_s2 m/s^2 mm_s2 mm/s^2 cm_s2 cm/s^2 rad_s2 rad/s^2 "
+        "deg_s2 deg/s^2 g g mg mg",
+        "u": "n N mn mN kn kN nm N*m n_m N*m mnm mN*m mn_m mN*m ncm N*cm n_cm N*cm lbf lbf kgf kgf kg kgf gf gf",
+    }.items()
 }
 """Units that the ending of a name gives, by channel."""
 _WORDS: dict[str, str] = {
@@ -80,8 +62,8 @@ _WORD = {word: channel for channel, words in _WORDS.items() for word in words.sp
 _SHORT = 4
 """Letters of a word that must stand alone."""
 _MARK = re.compile(r"^(?P<mark>[^:]{1,60}):\s*(?P<name>\S.*)$")
-_AXIS = re.compile(r"^(?P<front>[a-z]{3,40}?)_?[xyz](?:_(?P<ending>[a-z0-9_]{1,12}))?$")
-"""A name with the letter of an axis: acc_x, gyroZ, acc_x_g."""
+_AXIS = re.compile(r"^(?:[xyz]_(?=[a-z]))?(?P<front>[a-z]{3,40}?)(?:_?[xyz])?(?:_(?P<ending>[a-z0-9_]{1,12}))?$")
+"""A name with the letter of an axis: acc_x, gyroZ, acc_x_g, x_pos."""
 _DIGITS = re.compile(r"(?<!_s)\d+")
 _RUN = re.compile(
     r"\(?\b(?:run|trial|series|serie|set|lauf|versuch|messung|essai|prova|ensayo)[\s_]{0,9}#?\s{0,9}(\d+)\)?\s*$",
@@ -165,7 +147,7 @@ def marked(name: str) -> tuple[tuple[str, ...], str]:
 
 def unit_ending(name: str, channel: str = "") -> tuple[str, str] | None:
     """Channel and unit that the ending of a name gives ("x1_rad", "knee_deg_s"); None where it gives none."""
-    stem = name.strip().lower()
+    stem = re.sub(r"[\s.-]+", "_", re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name.strip())).lower()
     for cut in (i for i, letter in enumerate(stem) if letter == "_"):
         tail = stem[cut + 1 :]
         for of in (channel,) if channel else CHANNELS:
@@ -199,12 +181,13 @@ def quoted(name: str, position: int) -> str:
 
 CHANNELS = ("t", "x", "v", "a", "u")
 ACCEPTED = (
-    "CHANNEL=PRODUCT[UNIT] with channel t, x, v, a or u and a product of column names, #N and numbers is accepted, "
+    "CHANNEL=PRODUCT[UNIT] with channel t, x, v, a or u and a product of column names, #N, #0 (the number of the row) "
+    "and numbers is accepted, "
     "e.g. \"t=t,x=qm[m],u=vir*35.15[N]\"; a name with other signs in it stands in quotes, t='Time (s)'"
 )
 
 _NUMBER = re.compile(r"^[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?$")
-_POSITION = re.compile(r"^#[1-9]\d{0,5}$")
+_POSITION = re.compile(r"^#(?:0|[1-9]\d{0,5})$")
 _QUOTED = re.compile(r"'([^']*)'|\"([^\"]*)\"")
 _HELD = re.compile(r"^\x00(\d+)\x00$")
 

@@ -117,7 +117,9 @@ def runs_of(table: Table, timed: bool = True) -> list[list[Reading]]:
     clocks = {one.mark: one for one in sorted(times, key=lambda one: one.told)}
     own = [mark for mark in dict.fromkeys(one.mark for one in times) if any(one.mark == mark for one in moving)]
     if len(own) < max(len(clocks), 2):
-        return [list(_readings(moving, max(times, key=lambda one: one.told)))] if times else []
+        t = max(times, key=lambda one: one.told) if times else None
+        alone = len(table.headers) == 1 + len(moving)
+        return [list(_readings(moving, t)) or (list(_events(moving, t)) if alone else [])] if t else []
     return [list(_readings([one for one in moving if one.mark == mark], clocks[mark])) for mark in own]
 
 
@@ -141,6 +143,11 @@ def _readings(columns: Sequence[Column], t: Column | None) -> Iterator[Reading]:
         alone = ",".join([*clock, leading.as_channel(channel)])
         if alone != whole:
             yield Reading(alone, False)
+
+
+def _events(counts: Sequence[Column], t: Column) -> Iterator[Reading]:
+    """Where times stand alone, or beside what counts them: one for each turn."""
+    yield Reading(",".join([t.as_channel("t"), f"x={counts[0].said if counts else '#0'}[rev]"]), False)
 
 
 def _leading(moving: Sequence[Column]) -> Iterator[tuple[Column, bool]]:
@@ -239,7 +246,7 @@ def _columns(table: Table) -> Iterator[Column]:
         mark, name = marked(table.names[i])
         channel, by, unit = _by_name(name, table.units.get(i))
         steps = np.diff(told)
-        if _is_count(header, told, steps):
+        if channel != "t" and _is_count(header, told, steps):
             channel = "count"
         onward = float(np.mean(np.diff(unrolled(told)) >= 0.0 if channel == "t" else steps > 0.0))
         rises = onward >= _RISES

@@ -48,6 +48,10 @@ class Table(ABC):
 
     def columns(self, positions: Sequence[int]) -> list[FloatArray]:
         """As ``read``; what was read before, of a table that is not large, is not read again."""
+        if -1 in positions:
+            others = self.columns([*(i for i in positions if i >= 0), 0])
+            rows = np.arange(others[0].size, dtype=np.float64)
+            return [rows if i < 0 else others.pop(0) for i in positions]
         new = [i for i in dict.fromkeys(positions) if i not in self._kept]
         found = self._kept | dict(zip(new, self.read(new) if new else (), strict=True))
         if sum(values.size for values in found.values()) <= MOST_KEPT:
@@ -59,7 +63,7 @@ class Table(ABC):
         return f"row {index + 1}"
 
     def position(self, name: str) -> int:
-        """Position of a column by its name or as ``#N`` (from 1).
+        """Position of a column by its name or as ``#N`` (from 1); of ``#0``, which counts the rows, it is -1.
 
         Raises InputError listing the columns there are.
         """
@@ -80,7 +84,7 @@ class Table(ABC):
 
     def quoted(self, position: int) -> str:
         """A column as --columns takes it, by its name where no other has it."""
-        name = self.headers[position]
+        name = self.headers[position] if position >= 0 else ""
         return quoted(name if self.headers.count(name) == 1 else "", position)
 
     def listed(self) -> str:

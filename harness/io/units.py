@@ -7,6 +7,7 @@ from functools import cache
 from typing import Any
 
 from harness.core.errors import InputError
+from harness.io.columns import ENDINGS
 
 STANDARD_GRAVITY = 9.80665
 """m/s^2; what ``[g]`` means on an acceleration (elsewhere ``g`` is the gram)."""
@@ -61,10 +62,13 @@ _WORDS = {
     "mm": "millimeter millimeters millimetre millimetres millimètres milímetros",
     "cm": "centimeter centimeters centimetre centimetres zentimeter centímetros",
     "rad": "radian radians radiant",
+    "rpm": "1/min u/min /min min-1 min^-1 min⁻¹ tr/min t/min r/min tours/min giri/min obr/min об/мин",
     "deg": "degree degrees degs degré degrés grados gradi graus",
 }
 _WRITTEN = {word: unit for unit, words in _WORDS.items() for word in words.split()}
 """Units that are written out."""
+_BY_POWERS = re.compile(r"^(?P<one>mm|cm|km|m|rad|deg|°)[ .·*⋅]?s\^?(?:-|−|⁻)(?P<power>[12¹²])$")
+"""Speeds and accelerations with the power of the second: m s-1, ms^-2, rad·s⁻¹."""
 _KINDS = {"kilogram * meter ** 2 / ampere / second ** 3": "a voltage", "ampere": "a current"}
 _BASE = {
     "t": ("second",),
@@ -142,6 +146,13 @@ def _torque(text: str) -> str:
     return text
 
 
+def _spelled(channel: str, text: str) -> str:
+    """A unit as the library spells it: kmh, Nm."""
+    if channel == "u" and (product := _torque(text)) != text:
+        return product
+    return text if text in _registry() else ENDINGS.get(channel, {}).get(text.strip().lower(), text)
+
+
 def parse_unit(where: str, channel: str, text: str | None) -> Unit:
     """The unit ``text`` of a channel (t, x, v, a, u, or i, e and h: current, voltage, temperature); SI when None.
 
@@ -150,6 +161,8 @@ def parse_unit(where: str, channel: str, text: str | None) -> Unit:
     if text is None:
         return SI
     accepted = f"{_ACCEPTED[channel]} is accepted for {channel}"
+    if powers := _BY_POWERS.match(text.strip()):
+        text = f"{powers['one']}/s" + ("^2" if powers["power"] in "2²" else "")
     gravity = _GRAVITY.match(text)
     if channel == "a" and gravity:
         prefix = {"": 1.0, "m": 1e-3}.get(gravity["prefix"], 1e-6)
@@ -165,7 +178,8 @@ def parse_unit(where: str, channel: str, text: str | None) -> Unit:
     registry = _registry()
     text = "deg" if text == "Grad" else _WRITTEN.get(text.strip().lower(), text)
     try:
-        base = registry.Quantity(1.0, registry.parse_units(_torque(text) if channel == "u" else text)).to_base_units()
+        base = registry.Quantity(1.0, registry.parse_units(_spelled(channel, text)))
+        base = base.to_base_units()
     except Exception:  # pint raises from its tokenizer up; whatever it is, this text is not a unit
         raise InputError(where, f"'{text}' is not a unit", accepted) from None
     if str(base.units) not in _BASE[channel]:

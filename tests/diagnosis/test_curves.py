@@ -59,6 +59,24 @@ def test_an_offset_is_told_where_both_directions_are_and_signs_of_a_resistance_a
     assert turned.baseline.parameters["f_k"].value == pytest.approx(1.2, abs=0.02)
 
 
+def test_friction_that_falls_with_temperature_is_told_beside_the_law(tmp_path: Path) -> None:
+    random, rows = np.random.default_rng(4), ["speed [rad/s],torque [N m],temperature [degC]"]
+    for degrees in (20.0, 40.0, 60.0):
+        for side in (-1.0, 1.0):
+            force = 0.02 * (1.0 - 0.006 * (degrees - 40.0)) + 1e-5 * SPEEDS + 1e-4 * random.standard_normal(SPEEDS.size)
+            rows += [f"{side * v:.6g},{side * u:.6g},{degrees:g}" for v, u in zip(SPEEDS, force, strict=True)]
+    file = tmp_path / "warm.csv"
+    file.write_text("\n".join(rows) + "\n")
+    found = harness.diagnose(file, engines=(), covariates=["temperature"])
+    assert found.verdict == "adequate"
+    for name, truth in (("gain_temperature", -0.006), ("f_k", 0.02)):
+        one = found.baseline.parameters[name]
+        assert one.value is not None
+        assert one.stderr is not None
+        assert abs(one.value - truth) < 4.0 * one.stderr
+        assert one.stderr < 0.1 * abs(truth)
+
+
 def test_a_file_without_a_time_needs_no_option_and_leaves_page_trace_and_models(tmp_path: Path) -> None:
     rows = "\n".join(f"{v:.5f},{1.2 + 0.3 * v:.5f}" for v in SPEEDS)
     file = tmp_path / "table.csv"

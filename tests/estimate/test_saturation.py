@@ -128,6 +128,13 @@ def test_no_rest_of_a_servo_is_cut(seed: int, rate: float, step: float) -> None:
     assert not saturated(t, y, channel_noise(t, y, rests=True)).any()
 
 
+def test_what_runs_down_to_rest_is_no_sensor_at_its_limit() -> None:
+    t = np.arange(0.0, 12.0, 0.01)
+    v = np.maximum(168.0 * np.exp(-0.12 * t) - 150.0 * (1.0 - np.exp(-0.12 * t)), 0.0)
+    found, notes = within_range(Recording(t, {"v": 0.01 * np.rint(100.0 * v)}), ("v",))
+    assert (len(found), notes) == (t.size, ())
+
+
 def test_a_recording_that_is_nearly_all_cut_off_is_refused() -> None:
     t = np.arange(0.0, 3.0, 0.01)
     recording = Recording(t, {"x": np.clip(np.sin(2.0 * t), -0.2, 0.2)})

@@ -39,7 +39,6 @@ BAD: list[tuple[str, str]] = [
     ("x=(a)", "is no name"),
     ("x=[a for a in b]", "is no name"),
     ("x=lambda: 1", "is no name"),
-    ("x=#0", "is no name"),
     ("x=#", "is no name"),
     ("x=", "is no name"),
     ("x=2", "names no column"),

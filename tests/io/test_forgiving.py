@@ -124,6 +124,35 @@ def test_a_time_and_one_column_that_moves_are_the_recording(tmp_path: Path, head
     assert found.notes[0].startswith("Read t from ")
 
 
+SPELLED = [
+    ("time_s,speed_kmh", 1 / 3.6), ("Time (sec),Vehicle speed (km/h)", 1 / 3.6), ("t,GPS Speed kph", 1 / 3.6),
+    ("t,speedMph", 0.44704), ("t,v_fps", 0.3048), ("t,motor_speed_rpm", np.pi / 30.0), ("t,speed (kmh)", 1 / 3.6),
+    ("t,Drehzahl (1/min)", np.pi / 30.0), ("t,Drehzahl (U/min)", np.pi / 30.0), ("t,omega (rad s-1)", 1.0),
+    ("t,speed (m s^-1)", 1.0), ("t,wheel_speed_rps", 2.0 * np.pi), ("t,gyro_dps", np.pi / 180.0),
+    ("t,boat_speed_knots", 1852.0 / 3600.0), ("t,speed_mm_per_s", 1e-3),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("header", "size"), SPELLED)
+def test_a_speed_is_in_the_unit_that_its_name_says(tmp_path: Path, header: str, size: float) -> None:
+    found = read_recording(written(tmp_path / "a.csv", header, np.arange(T.size), X))
+    np.testing.assert_allclose(found["v"], X * size, rtol=1e-12, atol=1e-15)
+    np.testing.assert_array_equal(found.t, np.arange(T.size))
+
+
+@pytest.mark.parametrize("header", ["turn,stamp_us", "micros"])
+def test_times_alone_are_one_for_each_turn_when_somebody_says_so(tmp_path: Path, header: str) -> None:
+    stamps = np.cumsum(np.round(2e4 * (1.0 + 0.01 * np.arange(200.0))))
+    columns = (np.arange(1.0, 201.0), stamps) if "turn" in header else (stamps,)
+    path = written(tmp_path / "wheel.csv", header, *columns)
+    with pytest.raises(InputError) as refused:
+        read_recording(path)
+    found = read_recording(path, pasted(str(refused.value)))
+    np.testing.assert_allclose(found.t, stamps * 1e-6, rtol=1e-12)
+    np.testing.assert_allclose(np.diff(found["x"]), 2.0 * np.pi, rtol=1e-12)
+    assert found.angular
+
+
 def plain(path: Path) -> Path:
     """Numbers alone."""
     np.savetxt(path, np.stack([T, X], axis=1), fmt="%.17g")

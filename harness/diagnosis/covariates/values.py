@@ -39,7 +39,7 @@ class Acting:
     def of(cls, recording: Recording, one: AskedCovariate) -> "Acting":
         """As it was asked for."""
         values, unit = recording.covariates[one.name], recording.units.get(one.name, "")
-        noise = channel_noise(recording.t, values)
+        noise = _noise(recording, values)
         return cls(one.name, one.acts, float(np.mean(values)), unit, noise, recording.file, one.acts is not None)
 
     def entering(self, acts: Acts, levelled: bool) -> Covariate:
@@ -59,12 +59,17 @@ def values_in(recording: Recording, asked: tuple[AskedCovariate, ...]) -> dict[s
         spread, accepted = float(np.std(values)), f"a spread of {COVARIATE_VARIES.value:g} times its noise is accepted"
         if float(np.ptp(values)) == 0.0:
             raise InputError(where, f"the constant {values[0]:g}", accepted)
-        noise = channel_noise(recording.t, values).sigma
+        noise = _noise(recording, values).sigma
         if spread < COVARIATE_VARIES.value * noise:
             found_too = f"hardly varies: {spread:.3g} about its mean, of which noise is {noise:.3g}"
             raise InputError(where, found_too, accepted)
         found[one.name] = values
     return found
+
+
+def _noise(recording: Recording, values: FloatArray) -> Noise:
+    """Of a column (n,); the rows of a table without time follow no course that would show any."""
+    return Noise(0.0, False) if recording.steady else channel_noise(recording.t, values)
 
 
 NAMED = {Acts.FORCE: "a force", Acts.FRICTION: "friction", Acts.DAMPING: "damping"}

@@ -303,7 +303,8 @@ def hiding(numbers: Mapping[str, Quantity], hidden: tuple[Hidden, ...]) -> tuple
     def worst(one: Hidden) -> float:
         return max((one.shifts[name] / error for name, error in errors.items() if name in one.shifts), default=0.0)
 
-    largest = sorted(hidden, key=worst, reverse=True)[:_MOST_HIDDEN]
+    by_name = {one.name: one for one in sorted(hidden, key=worst)}  # of a law's variants the one that shifts most
+    largest = list(reversed(by_name.values()))[:_MOST_HIDDEN]
     laws = " or ".join(f"{h.name} with {h.number} up to {h.most:.2g} {h.unit}".removesuffix(" 1") for h in largest)
     return (f"{laws} could hide in it: beside each number stands what that could shift it by",) if laws else ()
 

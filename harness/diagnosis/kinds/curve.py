@@ -1,9 +1,12 @@
 """The steps of a friction curve, whose force is in proportion to most of what is fitted."""
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.optimize import nnls
 
 from harness.core.errors import InputError
+from harness.diagnosis.covariates.following import enter
 from harness.diagnosis.explain.force_map import ForceMap, measured_map
 from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.inverse_dynamics.validate import Judge
@@ -31,6 +34,10 @@ class Curves(Kind[Curve]):
             raise InputError("recording", "a force that slows nothing", "a force against the speed is accepted")
         start = Model(problem.mass or 1.0, float(c), 0.0, float(f_k), restoring=Restoring.NONE)
         found = fit(start, problem, free_of(start, ("c", "f_k")), problem.scales)
+        if problem.acting:
+            entered = enter(found, problem, problem.scales)
+            problem = replace(problem, acting=entered.acting, enters=problem.enters or entered.said)
+            found = entered.fit
         return Based(problem, problem, found, problem.scales)
 
     def search(self, based: Based[Curve], other: Judge | None) -> Found:

@@ -1,10 +1,13 @@
 """A friction curve made ready: rows by speed, and the noise of a force as neighbours say it."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import FEWEST_STEADY, Recording
+from harness.diagnosis.covariates.values import Acting, values_in
 from harness.diagnosis.problems.curve import Curve
 from harness.diagnosis.request import Asked
 from harness.estimate.noise import Noise
@@ -20,8 +23,8 @@ def curve_problem(recording: Recording, asked: Asked) -> tuple[Curve, tuple[str,
 
     Raises InputError for options that contradict it, and for rows that are too few.
     """
-    if asked.restoring not in (None, Restoring.NONE) or asked.covariates:
-        accepted = "a table of speeds and forces takes neither a spring nor covariates"
+    if asked.restoring not in (None, Restoring.NONE):
+        accepted = "a table of speeds and forces takes no spring"
         raise InputError(recording.file, "no time: a friction curve", accepted)
     v, u = recording["v"], recording["u"]
     order = np.argsort(v, kind="stable")
@@ -30,17 +33,32 @@ def curve_problem(recording: Recording, asked: Asked) -> tuple[Curve, tuple[str,
         raise InputError(recording.file, f"{order.size} speeds", f"at least {FEWEST_STEADY} beside 0 are accepted")
     rest = v.size - order.size
     v, u = v[order], u[order]
+    beside = {name: values[order] for name, values in values_in(recording, asked.covariates).items()}
+    acting = tuple(Acting.of(recording, one) for one in asked.covariates)
     if float(np.sum(u * v)) < 0.0:
         # what acts on the slider, where what holds its speed is asked for
         u = -u
-    noise = {"u": Noise(max(_noise(v, u), _LEAST * float(np.max(np.abs(u)))), True, 0.0, 0.0)}
+    noise = {"u": Noise(max(_noise(v, _without(beside, v, u)), _LEAST * float(np.max(np.abs(u)))), True, 0.0, 0.0)}
     # no motion says a mass: of what forces make, a unit of it is as good as any
     problem = Curve(
         np.arange(order.size, dtype=np.float64), {"u": u}, noise, mass=asked.mass or 1.0, v=v, order=order,
-        angular=recording.angular,
+        angular=recording.angular, covariates=beside, acting=acting,
     )  # fmt: skip
     notes = [f"{rest} rows at rest, where friction may have any value, are left out"] if rest else []
     return problem, (*notes, *(() if problem.both_ways else (ALONE,)))
+
+
+def _without(beside: Mapping[str, FloatArray], v: FloatArray, u: FloatArray) -> FloatArray:
+    """u (n,) without what columns (n,) add to it in proportion, and to friction and damping."""
+    if not beside:
+        return u
+    ways = np.column_stack((np.sign(v), v, np.ones(v.size)))
+    changes = np.column_stack([ways * (y - np.mean(y))[:, None] for y in beside.values()])
+    table = np.column_stack((ways, changes))
+    table /= np.max(np.abs(table), axis=0)
+    found = np.linalg.lstsq(table, u, rcond=1e-9)[0]
+    left: FloatArray = u - table[:, ways.shape[1] :] @ found[ways.shape[1] :]
+    return left
 
 
 def _noise(v: FloatArray, u: FloatArray) -> float:

@@ -35,7 +35,8 @@ class Curve(Problem):
     def shows(self, model: Model, by: tuple[By, ...], scales: Scales | None, effort: Effort) -> Observation:
         """The force that a model asks for, at speeds that do not change."""
         still = np.zeros(self.t.size)
-        force, partials = asked(model, Path(self.t, still, self.v, still, {}, np.ones(self.t.size, dtype=np.bool_)), by)
+        path = Path(self.t, still, self.v, still, self.covariates, np.ones(self.t.size, dtype=np.bool_))
+        force, partials = asked(model, path, by)
         mode = np.sign(self.v).astype(np.int8)
         return Observation({"u": force}, {"u": partials}, still, self.v, still, mode, Events())
 
@@ -89,4 +90,4 @@ class Curve(Problem):
     def shown_beside(self, recording: Recording) -> Recording:
         """Its rows in their order."""
         channels = {c: recording[c][self.order] for c in ("v", "u")}
-        return replace(recording, t=self.t, channels=channels, covariates={})
+        return replace(recording, t=self.t, channels=channels, covariates=self.covariates)

@@ -84,22 +84,16 @@ _FEWEST_TURNS = 3
 class FreeDecay(Problem):
     """See Problem.
 
-    enters : how covariates were found to enter, one sentence each. clock : by how much t is ahead of the recording's
+    clock : by how much t is ahead of the recording's
     own times (m,), s, (m,), where its clock drifts.
     """
 
-    enters: tuple[str, ...] = ()
     clock: tuple[FloatArray, FloatArray] | None = None
     provides: ClassVar[frozenset[str]] = frozenset({"one-clock"})
 
     def shows(self, model: Model, by: tuple[By, ...], scales: Scales | None, effort: Effort) -> Observation:
         """By simulation."""
         return observe(model, self, by, scales, effort)
-
-    @property
-    def choices(self) -> tuple[str, ...]:
-        """How covariates enter, and what stamps are worth."""
-        return (*self.enters, *super(FreeDecay, self).choices)
 
     def at_every_sample(self, t: FloatArray, channels: Mapping[str, FloatArray]) -> Problem:
         """See Problem; t (m,) by the recording's own clock."""

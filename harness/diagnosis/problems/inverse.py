@@ -31,13 +31,11 @@ _SETTLED = 1e-9
 class InverseDynamics(Forced):
     """The force is what is fitted, as means over blocks of samples; the motion over the windows is only shown.
 
-    enters : how each covariate was found to enter, and that a mass was not seen, one sentence each. fixed : motion and
-    force, where they are not as the channels and the drive have them; see ``measured``. independent : values that the
-    force left over counts as; None as long as its level, the noise of "u", is not known.
+    fixed : motion and force, where they are not as the channels and the drive have them; see ``measured``.
+    independent : values that the force left over counts as; None as long as its level, the noise of "u", is not known.
     """
 
     starts: Windows = field()
-    enters: tuple[str, ...] = ()
     fixed: Measured | None = None
     independent: float | None = None
     _measured: Measured | None = field(init=False, default=None, repr=False, compare=False)
@@ -114,11 +112,6 @@ class InverseDynamics(Forced):
     def alone(self) -> tuple["InverseDynamics", ...]:
         """Each recording by itself, where there are several."""
         return ()
-
-    @property
-    def choices(self) -> tuple[str, ...]:
-        """How covariates enter, and what mass was taken."""
-        return self.enters
 
     @property
     def followed(self) -> Driven:
