@@ -217,6 +217,7 @@ def tune(
     route: Route | None = None,
     dt: float | None = None,
     max_cost: float | None = None,
+    meet: Sequence[str] | None = None,
     robot: File | None = None,
     joint: str | None = None,
     gravity: tuple[float, float, float] | None = None,
@@ -224,16 +225,18 @@ def tune(
     """Search an engine's settings for fidelity at a cost; ``result.paste`` is what to paste.
 
     route : None for "joint". dt : step, s, None for 1 ms or the robot's own. max_cost : wall time over that of what
-    ships. robot, joint, gravity : on a joint of a robot's model; the route is then joint. Raises InputError.
+    ships. meet : goals such as "creep<0.01mm/s", for the cheapest settings that meet them (``result.goals``). robot,
+    joint, gravity : on a joint of a robot's model; the route is then joint. Raises InputError.
     """
+    from harness.app.sweep.tune import goal, tune_joint
     from harness.app.sweep.tune import tune as of_sliders
-    from harness.app.sweep.tune import tune_joint
 
     if robot is not None and route not in (None, "joint"):
         raise InputError("route", f"{route}, given with robot", "joint is accepted with it")
+    goals = [goal(text) for text in meet or ()]
     if robot is None:
-        return of_sliders(engine, route or "joint", dt, max_cost)
-    return tune_joint(engine, Path(robot), joint, gravity, dt, max_cost)
+        return of_sliders(engine, route or "joint", dt, max_cost, goals=goals)
+    return tune_joint(engine, Path(robot), joint, gravity, dt, max_cost, goals=goals)
 
 
 def words(file: File, *, engines: Sequence[str] | None = None, out: File | None = None) -> WordsResult:

@@ -5,7 +5,7 @@ What can be set, engine by engine: axes of values, and the settings that a choic
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -23,26 +23,59 @@ Choice = Mapping[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """One thing to choose. values : the first is what ships."""
+    """One thing to choose. values : the first is what ships. origins : how many of them are put back to, in turn."""
 
     name: str
     values: tuple[Any, ...]
+    origins: int = 1
 
 
 @dataclass(frozen=True, slots=True)
 class Space:
-    """axes : what to choose. settings : overrides of the as-shipped preset for a choice and a step (s)."""
+    """axes : what to choose. settings : overrides of the as-shipped preset for a choice and a step (s).
+
+    sets : the setting behind an axis that has another name.
+    """
 
     axes: tuple[Axis, ...]
     settings: Callable[[Choice, float], dict[str, Any]]
+    sets: Mapping[str, str] = field(default_factory=dict)
 
     def shipped(self) -> dict[str, Any]:
         """The choice that changes nothing."""
         return {axis.name: axis.values[0] for axis in self.axes}
 
+    def of_file(self, own: Mapping[str, Any], defaults: Mapping[str, Any]) -> "Space":
+        """The space of a model whose file has settings of its own: each goes back to that, and to the engine's default.
+
+        own : the file's. defaults : of the engine.
+        """
+
+        def axis(one: Axis) -> Axis:
+            name = self.sets.get(one.name, one.name)
+            if name not in own or own[name] == defaults[name]:
+                return one
+            first = (SHIPPED, DEFAULT) if name != one.name else (own[name], defaults[name])
+            return Axis(one.name, tuple(dict.fromkeys((*first, *one.values))), origins=2)
+
+        def settings(choice: Choice, dt: float) -> dict[str, Any]:
+            back = {name: self.sets[name] for name, value in choice.items() if value == DEFAULT}
+            found = self.settings({**choice, **dict.fromkeys(back, SHIPPED)}, dt)
+            return found | {name: defaults[name] for name in back.values()}
+
+        return replace(self, axes=tuple(map(axis, self.axes)), settings=settings)
+
+    def with_effort(self, defaults: Mapping[str, Any]) -> "Space":
+        """With the effort of the solver as axes, where the engine has it."""
+        mine = [axis for axis in _EFFORT if axis.name in defaults and axis.values[0] == defaults[axis.name]]
+        return replace(self, axes=(*self.axes, *mine)) if len(mine) == len(_EFFORT) else self
+
 
 SHIPPED = "as shipped"
 """A value that leaves a setting alone."""
+DEFAULT = "the engine's default"
+"""A value that takes a file's setting back."""
+_EFFORT = (Axis("iterations", (100, 4, 1)), Axis("ls_iterations", (50, 30, 8)))
 
 _INTEGRATORS = Axis("integrator", ("Euler", "implicitfast", "implicit", "RK4", "discrete"))
 _NOSLIP = Axis("noslip_iterations", (0, 5, 50))
@@ -109,6 +142,7 @@ _NEWTON = (
 )
 
 _RATE = Axis("rate", (SHIPPED, 0.05, 0.1, 0.2, 0.5, 1.0, 1.4, 1.7, 1.9, 1.98))
+_JOINT = {"rate": "solreffriction", "impedance": "solimpfriction"}
 _SPACES: dict[tuple[str, Route], Space] = {
     ("mujoco", "joint"): Space(
         (
@@ -118,6 +152,7 @@ _SPACES: dict[tuple[str, Route], Space] = {
             _NOSLIP,
         ),
         _mujoco_joint,
+        _JOINT,
     ),
     ("mujoco", "contact"): Space(
         (
@@ -130,6 +165,7 @@ _SPACES: dict[tuple[str, Route], Space] = {
             Axis("tolerance", (1e-8, 1e-12)),
         ),
         _mujoco_contact,
+        {"steps": "solref", "impedance": "solimp"},
     ),
     ("mujoco", "law"): Space((_INTEGRATORS,), _plain),
     ("pybullet", "joint"): Space(_BULLET, _plain),
@@ -144,7 +180,7 @@ _SPACES: dict[tuple[str, Route], Space] = {
     ("physx", "law"): Space(_PHYSX, _plain),
     ("drake", "contact"): Space(_DRAKE_CONTACT, _plain),
     ("drake", "law"): Space((_LEAPFROG,), _plain),
-    ("newton", "joint"): Space((*_NEWTON, _RATE, Axis("impedance", _IMPEDANCE)), _mujoco_joint),
+    ("newton", "joint"): Space((*_NEWTON, _RATE, Axis("impedance", _IMPEDANCE)), _mujoco_joint, _JOINT),
     ("newton", "law"): Space(_NEWTON, _plain),
 }
 
@@ -196,18 +232,27 @@ class Trial:
     subject: Subject = field(default_factory=Subject)
     count: int = 0
     _scores: dict[str, float] = field(default_factory=dict)
-    _costs: dict[str, float] = field(default_factory=dict)
+    _seconds: dict[str, float] = field(default_factory=dict)
+    _shipped: float = math.inf
     _suites: dict[int, list[Scenario]] = field(default_factory=dict)
 
-    def rows(self, changed: dict[str, Any], draws: Sequence[int], base: Preset = "as-shipped") -> list[SweepRow]:
-        """Every scenario of these suites with a preset's settings and these changes."""
+    def rows(
+        self,
+        changed: dict[str, Any],
+        draws: Sequence[int],
+        base: Preset = "as-shipped",
+        scenarios: Sequence[str] = (),
+    ) -> list[SweepRow]:
+        """Every scenario of these suites, or some, with a preset's settings and these changes."""
         found = []
         for draw in draws:
             if draw not in self._suites:
-                scenarios = suite(self.route, self.subject.sliders(draw))
-                self._suites[draw] = [scenarios[name] for name in self.subject.scenarios]
+                sliders = self.subject.sliders(draw)
+                every = suite(self.route, sliders) | suite(self.route, sliders, "trained")
+                self._suites[draw] = [every[name] for name in self.subject.scenarios]
             for scenario in self._suites[draw]:
-                found.append(run_row(self.engine, self._spec(changed, scenario, draw, base)))
+                if not scenarios or scenario.name in scenarios:
+                    found.append(run_row(self.engine, self._spec(changed, scenario, draw, base)))
         return found
 
     def score(self, changed: dict[str, Any], draws: Sequence[int] = SEARCH, base: Preset = "as-shipped") -> float:
@@ -224,14 +269,15 @@ class Trial:
         inf when it could not be run.
         """
         key = repr(sorted(changed.items()))
-        if key not in self._costs:
+        if key not in self._seconds and changed:
             scenario = suite(self.route, self.subject.sliders(SEARCH[0]))["free-decay"]
             mine, shipped = (self._spec(one, scenario, SEARCH[0], "as-shipped") for one in (changed, {}))
-            turns = [(self._seconds(mine), self._seconds(shipped)) for _ in range(REPEATS)]
-            self._costs[key] = min(first for first, _ in turns) / min(second for _, second in turns) if changed else 1.0
-        return self._costs[key]
+            turns = [(self._wall(mine), self._wall(shipped)) for _ in range(REPEATS)]
+            self._seconds[key] = min(first for first, _ in turns)
+            self._shipped = min(self._shipped, *(second for _, second in turns))
+        return self._seconds[key] / self._shipped if changed else 1.0
 
-    def _seconds(self, spec: Spec) -> float:
+    def _wall(self, spec: Spec) -> float:
         try:
             return self.engine.simulate(task(spec)).source.wall_s or math.inf
         except HarnessError:
@@ -272,15 +318,16 @@ def search(trial: Trial, space: Space, most: float | None, seed: int = 0, tell: 
     best: Choice = shipped
     best_score = trial.score({})
     for start in range(STARTS):
-        choice: Choice = shipped if start == 0 else {axis.name: _any(rng, axis.values) for axis in space.axes}
+        choice: Choice = shipped if start == 0 else random_choice(rng, space)
         choice, score = _descend(trial, space, choice, limit, tell)
         if score < WORTH * best_score:
             best, best_score = choice, score
     return _simplest(trial, space, best, limit)
 
 
-def _any(rng: np.random.Generator, values: Sequence[Any]) -> Any:
-    return values[int(rng.integers(len(values)))]
+def random_choice(rng: np.random.Generator, space: Space) -> dict[str, Any]:
+    """Any value of every axis."""
+    return {axis.name: axis.values[int(rng.integers(len(axis.values)))] for axis in space.axes}
 
 
 def _descend(trial: Trial, space: Space, choice: Choice, limit: float, tell: Progress) -> tuple[Choice, float]:
@@ -300,12 +347,21 @@ def _descend(trial: Trial, space: Space, choice: Choice, limit: float, tell: Pro
 
 
 def _simplest(trial: Trial, space: Space, choice: Choice, limit: float) -> Choice:
-    """Put back to what ships whatever does not matter."""
+    """Put back whatever does not matter."""
     score = _allowed(trial, space, choice, limit)
+    return put_back(space, choice, lambda other: _allowed(trial, space, other, limit) <= score / WORTH)
+
+
+def put_back(space: Space, choice: Choice, good: Callable[[Choice], bool]) -> Choice:
+    """Every axis back to the first of its origins with which the choice stays good."""
     for axis in space.axes:
-        other = {**choice, axis.name: axis.values[0]}
-        if other != choice and _allowed(trial, space, other, limit) <= score / WORTH:
-            choice = other
+        for value in axis.values[: axis.origins]:
+            if value == choice[axis.name]:
+                break
+            other = {**choice, axis.name: value}
+            if good(other):
+                choice = other
+                break
     return choice
 
 

@@ -159,6 +159,18 @@ class TunedFigure(Result):
     after: float | None
 
 
+class TunedGoal(Result):
+    """A figure that was to stay below a limit: its largest distance from exact on sliders that were not searched on."""
+
+    name: str
+    metric: str
+    limit: float = Field(description="in the unit, as the values")
+    before: float | None = Field(description="null where it could not be run")
+    after: float | None
+    unit: str
+    met: bool
+
+
 class TunedJoint(Result):
     """A robot's joint that settings were searched for."""
 
@@ -191,5 +203,6 @@ class TuneResult(Paged):
     sliders: dict[str, list[int]] = Field(
         description="numbers of the random suites, or of a robot's poses: searched on, scored on"
     )
+    goals: list[TunedGoal] = rare(factory=list)
     robot: TunedJoint | None = rare()
     machine: Machine

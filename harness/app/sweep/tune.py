@@ -1,6 +1,8 @@
 """Search of an engine's settings for fidelity at a cost."""
 
 import math
+import re
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,11 +17,13 @@ from harness.core.scenario import Harmonic
 from harness.core.slider import Slider
 from harness.engines import registry
 from harness.engines.base import ROUTES, TUNED_DT, Route, choice
-from harness.fidelity.kind import Sliders
+from harness.fidelity.kind import Sliders, names
+from harness.fidelity.meet import METRICS, Goal, Meeting, meet
 from harness.fidelity.paste import paste
 from harness.fidelity.scores import COLUMNS, distance
-from harness.fidelity.tune import HELD_OUT, SEARCH, Subject, Trial, score_of, search, space, tunable
-from harness.results.sweep import SweepRow, TunedFigure, TunedJoint, TuneResult
+from harness.fidelity.tune import HELD_OUT, SEARCH, Choice, Subject, Trial, score_of, search, space, tunable
+from harness.io.units import parse_unit
+from harness.results.sweep import SweepRow, TunedFigure, TunedGoal, TunedJoint, TuneResult
 from harness.robot.arm import Arm, load_arm
 from harness.robot.own_model import loosened, looseness, words
 from harness.robot.paste import JointPaste
@@ -46,10 +50,11 @@ def tune_joint(
     dt: float | None = None,
     most: float | None = None,
     progress: Progress = SILENT,
+    goals: Sequence[Goal] = (),
 ) -> TuneResult:
     """Search on the joint with the others in some poses, score in others; what ships is the model's file as it is.
 
-    file : of a robot's model. gravity : m/s^2, None for its own. dt : s, None for the model's own. most : as in
+    file : of a robot's model. gravity : m/s^2, None for its own. dt : s, None for the model's own. most, goals : as in
     ``tune``. Raises InputError as ``tune`` does, for a joint that there is not, and for one whose model has no dry
     friction.
     """
@@ -67,7 +72,7 @@ def tune_joint(
         own = {key: value for key, value in words(arm, joint).items() if key != "dt"}
         subject = replace(subject, own=own, given=lambda settings: loosened(settings, soft))
     dt = float(arm.model.opt.timestep) if dt is None else dt
-    result = tune(name, "joint", dt, most, progress, subject)
+    result = tune(name, "joint", dt, most, progress, subject, goals)
     paste = JointPaste(joint, f_k, c, float(arm.armature[at]), dt)
     robot = TunedJoint(
         file=str(file.absolute()),
@@ -117,10 +122,12 @@ def tune(
     most: float | None = None,
     progress: Progress = SILENT,
     subject: Subject | None = None,
+    goals: Sequence[Goal] = (),
 ) -> TuneResult:
     """Search on some random sliders, score on others.
 
-    subject : what to search on in their place. dt : s, None for 1 ms. most : allowed cost, as wall time over that of
+    goals : the cheapest settings that meet them are searched in place of the best. subject : what to search on in place
+    of sliders. dt : s, None for 1 ms. most : allowed cost, as wall time over that of
     what ships at the same step; None for any. Raises InputError for an engine, route or number that is not accepted.
     """
     registry.check(name)
@@ -137,15 +144,31 @@ def tune(
         engine = registry.load(name)
     except SimulationError as error:
         raise InputError(f"engine {name}", str(error), "an installed engine is accepted") from None
-    trial = Trial(engine, route, dt, subject or Subject())
+    subject, defaults = subject or Subject(), engine.presets(route, "as-shipped", dt)
+    found = found.of_file(subject.own, defaults)
+    trial = Trial(engine, route, dt, subject)
     shipped = trial.rows({}, HELD_OUT)
     if math.isinf(score_of(shipped)):
         why = next(row.error for row in shipped if row.error is not None)
         raise InputError(f"--dt {dt:g}", f"what ships cannot run at this step ({why})", "a smaller step is accepted")
-    chosen = search(trial, found, most, tell=lambda done: progress("settings scored", done, max(done, EXPECTED)))
+
+    def tell(done: int) -> None:
+        progress("settings scored", done, max(done, EXPECTED))
+
+    met = list[TunedGoal]()
+    if goals:
+        found = found.with_effort(defaults)
+        effort = names(route, "trained") if "ls_iterations" in defaults else ()
+        aside = Trial(engine, route, dt, replace(subject, scenarios=(*subject.scenarios, *effort)))
+        meeting = Meeting(aside, found, goals)
+        chosen = meet(meeting, tell=tell)
+        met = _met(meeting, chosen)
+        trial.count = aside.count
+    else:
+        chosen = search(trial, found, most, tell=tell)
     changed = trial.changed(found, chosen)
     tuned = trial.rows(changed, HELD_OUT)
-    settings = engine.presets(route, "as-shipped", dt) | dict(trial.subject.own) | changed
+    settings = defaults | dict(subject.own) | changed
     return TuneResult(
         engine=name,
         version=engine.version(),
@@ -162,8 +185,48 @@ def tune(
         figures=_figures(shipped, tuned),
         searched=trial.count,
         sliders={"searched_on": list(SEARCH), "scored_on": list(HELD_OUT)},
+        goals=met,
         machine=this_machine({"search": 0}),
     )
+
+
+_GOAL = re.compile(r"\s*(?P<name>\w+)\s*<\s*(?P<limit>[0-9.]+(?:[eE][-+]?[0-9]+)?)\s*(?P<unit>\S*)\s*")
+_CHANNELS = {"m/s": "v", "m": "x", "s": "t"}
+
+
+def goal(text: str) -> Goal:
+    """From "creep<.01mm/s" or "zeta < 1%". Raises InputError, about --meet, for what says no figure, limit or unit."""
+    found = _GOAL.fullmatch(text)
+    accepted = f"try: --meet 'creep<0.01mm/s'; figures are {', '.join(METRICS)}"
+    if found is None:
+        raise InputError("--meet", repr(text), accepted)
+    if found["name"] not in METRICS:
+        raise InputError("--meet", f"{found['name']!r} is no figure", accepted)
+    unit = METRICS[found["name"]][1]
+    if unit != "1":
+        factor = parse_unit("--meet", _CHANNELS[unit], found["unit"] or None).factor
+    elif found["unit"] in ("%", ""):
+        factor = 0.01 if found["unit"] else 1.0
+    else:
+        raise InputError("--meet", f"{text!r} has the unit {found['unit']}", "a share, or % is accepted")
+    return Goal(found["name"], positive("--meet", factor * float(found["limit"]), unit))
+
+
+def _met(meeting: Meeting, chosen: Choice) -> list[TunedGoal]:
+    """The goals on sliders that were not searched on."""
+    before, after = (meeting.worst(choice, HELD_OUT) for choice in (meeting.space.shipped(), chosen))
+    return [
+        TunedGoal(
+            name=goal.name,
+            metric=goal.metric,
+            limit=goal.limit,
+            before=old if math.isfinite(old) else None,
+            after=new if math.isfinite(new) else None,
+            unit=goal.unit,
+            met=new <= goal.limit,
+        )
+        for goal, old, new in zip(meeting.goals, before, after, strict=True)
+    ]
 
 
 def _figures(before: list[SweepRow], after: list[SweepRow]) -> list[TunedFigure]:

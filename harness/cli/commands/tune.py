@@ -17,33 +17,45 @@ if TYPE_CHECKING:
 @click.option("--dt", type=float, metavar="S", help="Step, s.  [1e-3, or the robot's own]")
 @click.option("--route", metavar="joint|contact|law", help="Where dry friction lives.  [joint]")
 @click.option("--max-cost", type=float, metavar="R", help="Wall time over that of what ships.  [any]")
+@click.option("--meet", multiple=True, metavar="GOAL", help="Search the cheapest that meets it; may repeat.")
 @robot_options
 @json_options
 def command(
-    engine: str, dt: float | None, route: str | None, max_cost: float | None, robot: Joint | None, to: Output
+    engine: str,
+    dt: float | None,
+    route: str | None,
+    max_cost: float | None,
+    meet: tuple[str, ...],
+    robot: Joint | None,
+    to: Output,
 ) -> int:
     """Search an engine's settings on some random sliders, score them on others, print the XML or the calls to paste.
 
     With --robot on a joint of it, the others in some poses, as the model's file has it and at its own step. ENGINE is
-    mujoco, pybullet, dart, rapier, drake or physx, as far as it is installed.
+    mujoco, pybullet, dart, rapier, drake or physx, as far as it is installed. A GOAL is a figure, a limit and its unit
+    (creep, drift, rest, position, lift in m, lead, period in s, zeta, x_k, energy in %); exit 1 where one is not met.
 
     \b
     Example: harness tune mujoco --dt 0.002
              harness tune mujoco --dt 0.002 --max-cost 1.5
              harness tune pybullet --route contact --dt 0.004 --json tuned.json
+             harness tune mujoco --meet "creep<0.01mm/s" --meet "zeta<1%"
              harness tune mujoco --robot arm.xml --joint elbow
     """
     if robot is not None and route not in (None, "joint"):
         raise InputError("--route", f"{route}, given with --robot", "joint is accepted with it")
+    if meet and max_cost is not None:
+        raise InputError("--max-cost", "given with --meet", "one of them is accepted: --meet searches the cheapest")
     with to.told() as progress:
-        from harness.app.sweep.tune import tune, tune_joint
+        from harness.app.sweep.tune import goal, tune, tune_joint
 
+        goals = [goal(text) for text in meet]
         if robot is None:
-            result = tune(engine, route or "joint", dt, max_cost, progress)  # type: ignore[arg-type]
+            result = tune(engine, route or "joint", dt, max_cost, progress, goals=goals)  # type: ignore[arg-type]
         else:
-            result = tune_joint(engine, *robot, dt, max_cost, progress)
+            result = tune_joint(engine, *robot, dt, max_cost, progress, goals)
     to.give(result, _print)
-    return 0
+    return 0 if all(one.met for one in result.goals) else 1
 
 
 def _print(result: "TuneResult") -> None:
@@ -53,6 +65,10 @@ def _print(result: "TuneResult") -> None:
     rows = [(one.name, *(figure(y, ".3g", " %", 100.0) for y in (one.before, one.after))) for one in result.figures]
     show_rows(("figure", before, "found"), rows)
     say_as_it_is(result.paste)
+    for one in result.goals:
+        unit = "" if one.unit == "1" else f" {one.unit}"
+        old, new = (figure(value, ".3g", unit) for value in (one.before, one.after))
+        say(f"{one.name}: {old} {before}, {new} found, {'below' if one.met else 'NOT below'} {one.limit:g}{unit}")
     where = "on sliders not searched on" if result.robot is None else "in poses not searched in"
     say(
         f"score {where}: {result.score_before:.3g} {before}, {result.score_after:.3g} found,"
