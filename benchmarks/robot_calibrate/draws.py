@@ -22,8 +22,9 @@ from harness.robot.whole_arm.columns import (
     QUADRATIC,
     RIPPLE,
     STRIBECK,
+    ZERO,
 )
-from harness.robot.whole_arm.perturb import moving_bodies, with_load, with_mass
+from harness.robot.whole_arm.perturb import moving_bodies, with_load, with_mass, with_zeros
 from harness.robot.whole_arm.result import WholeArm
 from harness.robot.whole_arm.turning import BACKLASH, PRESLIDING, STATIC, bristles
 from harness.robot.whole_arm.whole import whole_arm
@@ -212,7 +213,7 @@ _AS_LARGE_AS_FRICTION = (PRESLIDING, BACKLASH)
 
 
 def _error(plant: Plant, motion: Motion, arm: Arm, rng: np.random.Generator) -> Found:
-    name = str(rng.choice((INERTIA, PAYLOAD, MOTOR, DELAY)))
+    name = str(rng.choice((INERTIA, PAYLOAD, MOTOR, DELAY, ZERO)))
     if name == INERTIA:
         wrong = arm
         for body in moving_bodies(arm):
@@ -224,6 +225,10 @@ def _error(plant: Plant, motion: Motion, arm: Arm, rng: np.random.Generator) -> 
         gain = np.ones(JOINTS)
         gain[rng.integers(JOINTS)] = rng.choice((0.9, 1.1))
         plant = replace(plant, gain=gain)
+    elif name == ZERO:
+        shift = np.zeros(JOINTS)
+        shift[rng.integers(1, JOINTS)] = rng.choice((-0.03, 0.03))
+        plant = replace(plant, arm=with_zeros(arm, shift))
     else:
         plant = replace(plant, late=float(rng.uniform(0.005, 0.015)))
     found = _seen(plant, motion, arm, rng)

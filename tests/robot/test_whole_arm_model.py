@@ -34,8 +34,9 @@ from harness.robot.whole_arm.columns import (
     STRIBECK,
     TILT,
     WHICH_IS_LATE,
+    ZERO,
 )
-from harness.robot.whole_arm.perturb import moving_bodies, tilted, with_load, with_mass, without_armature
+from harness.robot.whole_arm.perturb import moving_bodies, tilted, with_load, with_mass, with_zeros, without_armature
 from harness.robot.whole_arm.result import Entry, Grade, WholeArm
 from harness.robot.whole_arm.turning import BACKLASH, PRESLIDING, STATIC, bristles
 from harness.robot.whole_arm.whole import whole_arm
@@ -132,6 +133,19 @@ def test_a_tilted_base_is_named_with_its_angles() -> None:
     found = whole_arm(log_of(replace(plant, arm=tilted(arm(), 0.05, 1)), motion), arm(), lowpass=LOWPASS)
     told = only(found, TILT)
     assert [value.value for _, value in told.parameters] == pytest.approx([0.0, 0.05], abs=1e-3)
+    friction_is_right(found)
+
+
+def test_zeros_that_are_off_are_named_with_their_joints() -> None:
+    plant, motion = machine()
+    shift = np.zeros(7)
+    shift[[1, 3]] = 0.03, -0.05
+    found = whole_arm(log_of(replace(plant, arm=with_zeros(arm(), shift)), motion), arm(), lowpass=LOWPASS)
+    told = only(found, ZERO)
+    assert told.partner.startswith("centre of mass")
+    numbers = {name: value.value for name, value in told.parameters}
+    assert [numbers[f"joint{j}"] for j in (2, 4)] == pytest.approx([0.03, -0.05], abs=2e-3)
+    assert "--offset" in told.statement
     friction_is_right(found)
 
 

@@ -18,7 +18,7 @@ from harness.model.terms import (
 )
 from harness.robot.arm import Arm
 from harness.robot.whole_arm.differentiate import Filtered
-from harness.robot.whole_arm.perturb import moving_bodies, tilted, with_load, with_mass
+from harness.robot.whole_arm.perturb import moving_bodies, tilted, with_load, with_mass, with_zeros
 from harness.robot.whole_arm.rules import (
     COVERED,
     DELAY_SPREAD,
@@ -29,18 +29,20 @@ from harness.robot.whole_arm.rules import (
     MOMENT_SPREAD,
     SLOWEST_RIPPLE,
     TILT_SPREAD,
+    ZERO_SPREAD,
 )
 
 STRIBECK, LOAD, RIPPLE = stribeck.TERM.name, load_dependent_friction.TERM.name, force_ripple.TERM.name
 POSITION, ASYMMETRIC = position_dependent_friction_cosine.TERM.name, asymmetric_viscous.TERM.name
 QUADRATIC, DRIFT = quadratic_drag.TERM.name, friction_drift.TERM.name
 INERTIA, PAYLOAD, MOTOR, DELAY = "inertia-error", "payload", "motor-constant", "torque-delay"
-SENSOR, TILT, ARMATURE = "sensor-side", "tilt", "armature-error"
+SENSOR, TILT, ARMATURE, ZERO = "sensor-side", "tilt", "armature-error", "zero-offset"
 
 LOAD_OR_POSITION = "load- or position-dependent friction of a gravity joint"
 SCALE_OR_MASS = "scale of torque against mass"
 MASS_AT_END = "extra mass at the end"
 ROTOR_OR_AXIS = "armature or inertia about the axis"
+ZERO_OR_CENTRE = "zero of a position or centre of mass of what it carries"
 WHICH_IS_LATE = "which of position and torque is late"
 ROTOR_OR_SENSOR = "side of the sensor or a rotor's inertia"
 ERRORS = {
@@ -50,6 +52,7 @@ ERRORS = {
     DELAY: ("early position", WHICH_IS_LATE),
     SENSOR: (ARMATURE, ROTOR_OR_SENSOR),
     TILT: ("", ""),
+    ZERO: ("centre of mass of what such a joint carries", ZERO_OR_CENTRE),
     ARMATURE: ("inertia of the link about the axis", ROTOR_OR_AXIS),
 }
 """Of an error of the model or of the torque's record: what it can never be told from, and both as one pair."""
@@ -211,6 +214,13 @@ def model_candidates(
     turned = np.stack([changed(tilted(arm, _TURN, axis), _TURN) for axis in (0, 1)], axis=2)
     if np.max(np.abs(turned)) > _NOTHING:
         yield error(TILT, turned, TILT_SPREAD.value, ("about x", "rad"), ("about y", "rad"))
+    tied = {j for tie in arm.ties for j in (tie.leads, tie.follows)}
+    own = [dof for dof in filtered.dof if dof not in tied]
+    shifts = [changed(with_zeros(arm, _TURN * np.eye(len(arm.joints))[dof]), _TURN) for dof in own]
+    seen = [k for k, columns in enumerate(shifts) if np.max(np.abs(columns)) > _NOTHING]
+    if seen:
+        names = [(arm.joints[own[k]], "m" if arm.slides(arm.joints[own[k]]) else "rad") for k in seen]
+        yield error(ZERO, np.stack([shifts[k] for k in seen], axis=2), ZERO_SPREAD.value, *names)
     late = -np.gradient(rigid[:, dofs], 1.0 / filtered.out.rate, axis=0)[:, :, None]
     yield error(DELAY, late, DELAY_SPREAD.value, ("delay", "s"))
     if not sensor_known and np.any(arm.armature[dofs] > 0.0):

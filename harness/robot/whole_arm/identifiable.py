@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.robot.whole_arm.columns import ARMATURE, DELAY, INERTIA, MOTOR, PAYLOAD, SENSOR, TILT
+from harness.robot.whole_arm.columns import ARMATURE, DELAY, INERTIA, MOTOR, PAYLOAD, SENSOR, TILT, ZERO
 from harness.robot.whole_arm.rules import IDENTIFIABLE, WEAK
 from harness.robot.whole_arm.search import Problem
 
@@ -21,6 +21,7 @@ _CALLED = {
     INERTIA: "masses",
     PAYLOAD: "a load",
     TILT: "a tilted base",
+    ZERO: "zeros of positions",
     ARMATURE: "the rotor",
     MOTOR: "the scale of the torque",
     DELAY: "a delay of the torque",
@@ -32,6 +33,7 @@ _MENDS = {
     (VISCOUS, _CALLED[DELAY]): "turn it round more quickly, so that acceleration is not in step with speed",
     (OFFSET, _CALLED[INERTIA]): "move it through a larger angle",
     (OFFSET, _CALLED[PAYLOAD]): "move it through a larger angle",
+    (OFFSET, _CALLED[ZERO]): "move it through a larger angle",
     (OFFSET, _CALLED[TILT]): "move it through a larger angle",
 }
 _LONGER = "record it longer, to and fro at several speeds"

@@ -1,4 +1,4 @@
-"""The same arm with another mass, a load at its end, another armature or a tilted base."""
+"""The same arm with another mass, a load at its end, another armature, a tilted base or other zeros."""
 
 import copy
 import math
@@ -132,6 +132,14 @@ def tilted(arm: Arm, angle: float, about: int) -> Arm:
     sign = -1.0 if about == 0 else 1.0
     model.opt.gravity[other] = c * g[other] + sign * s * g[2]
     model.opt.gravity[2] = c * g[2] - sign * s * g[other]
+    return _settled(arm, model)
+
+
+def with_zeros(arm: Arm, shift: FloatArray) -> Arm:
+    """The arm as it stands where every position is ``shift`` (nv,), rad or m, more than it says."""
+    model = copy.copy(arm.model)
+    model.qpos0[:] -= shift
+    model.qpos_spring[:] -= shift
     return _settled(arm, model)
 
 

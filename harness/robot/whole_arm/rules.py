@@ -214,6 +214,8 @@ LOAD_SPREAD = Rule("load-spread", 3.0, "kg", "loads of this size are expected", 
 GAIN_SPREAD = Rule("gain-spread", 0.2, "1", "scales of torque are expected to be right to this share",
                    "motor constants fall by so much when hot")  # fmt: skip
 TILT_SPREAD = Rule("tilt-spread", 0.1, "rad", "tilts of this size are expected", "six degrees: more is seen by eye")
+ZERO_SPREAD = Rule("zero-spread", 0.02, "rad or m", "zeros of positions are expected so near to the model's",
+                   "one degree: what arms are set to by marks on their joints")  # fmt: skip
 DELAY_SPREAD = Rule("delay-spread", 0.02, "s", "delays of this size are expected", "two samples of a slow bus, 100 Hz")
 
 

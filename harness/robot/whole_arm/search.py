@@ -17,6 +17,7 @@ from harness.robot.whole_arm.columns import (
     DELAY,
     PAYLOAD,
     TILT,
+    ZERO,
     Candidate,
     friction_candidates,
     model_candidates,
@@ -24,7 +25,7 @@ from harness.robot.whole_arm.columns import (
 )
 from harness.robot.whole_arm.design import Design, Named, Noise, Part, Parts, Stretches, Whitened
 from harness.robot.whole_arm.differentiate import Filtered, differentiate
-from harness.robot.whole_arm.perturb import tilted, with_load
+from harness.robot.whole_arm.perturb import tilted, with_load, with_zeros
 from harness.robot.whole_arm.rules import GUARD, LEAST_SAMPLES, MOST, NAMED, RIVAL, SIZE
 
 _EXACT = 3e-4
@@ -119,7 +120,8 @@ def _beside_everything(part: Part, joint: int, candidates: list[Candidate]) -> P
     """A part whose noise is learnt from what all candidates together leave of its torque."""
     kept = part.stretches.kept
     columns = [part.base]
-    for candidate in (one for one in candidates if one.joint in (joint, None)):
+    # what other zeros change is as good as what a load, masses and a tilt do
+    for candidate in (one for one in candidates if one.joint in (joint, None) and one.name != ZERO):
         count = len(candidate.values)
         places = np.unique(np.linspace(0, count - 1, min(count, _SETTINGS)).round().astype(int))
         columns += [candidate.torque(candidate.values[i])[joint] for i in places]
@@ -173,7 +175,7 @@ def rms(design: Design, t: FloatArray) -> FloatArray:
     return np.sqrt(squares / [np.sum(part.stretches.kept) for part in design.parts.values()])
 
 
-CORRECTED = (PAYLOAD, DELAY, TILT)
+CORRECTED = (PAYLOAD, DELAY, TILT, ZERO)
 """Errors of the model whose effect is not linear in their size."""
 _POLISHINGS = 5
 _ROUNDS = 8
@@ -364,15 +366,20 @@ def solve(log: JointLog, arm: Arm, joints: Sequence[str] | None, lowpass: float 
         for one in forced:
             numbers = model.design.numbers[model.design.place(one)]
             applied[one.candidate.name] = applied.get(one.candidate.name, np.zeros(numbers.size)) + numbers
-        now, late = _corrected(arm, applied)
+        now, late = _corrected(arm, applied, forced)
         problem = prepare(differentiate(log, now, names, everything.band.lowpass, late), now, known)
         keys = {one.candidate.key for one in forced}
         model = _search(problem, [one for one in problem.candidates if steady or one.key in keys], forced)
     return Solved(model, problem, first, now, applied, still)
 
 
-def _corrected(arm: Arm, applied: dict[str, FloatArray]) -> tuple[Arm, float]:
+def _corrected(arm: Arm, applied: dict[str, FloatArray], forced: Sequence[Named]) -> tuple[Arm, float]:
     """The arm with what was found, and the delay, s."""
+    for one in forced:
+        if one.candidate.name == ZERO:
+            shift = np.zeros(len(arm.joints))
+            shift[[arm.index(name) for name, _ in one.candidate.numbers]] = applied[ZERO]
+            arm = with_zeros(arm, shift)
     if (load := applied.get(PAYLOAD)) is not None and load[0] > 0.0:
         arm = with_load(arm, float(load[0]), load[1:] / float(load[0]))
     if (turn := applied.get(TILT)) is not None:

@@ -30,6 +30,7 @@ from harness.robot.whole_arm.columns import (
     SENSOR,
     STRIBECK,
     TILT,
+    ZERO,
 )
 from harness.robot.whole_arm.curve import curves
 from harness.robot.whole_arm.design import Design, Named, Whitened
@@ -73,6 +74,7 @@ _SAID = {
     DELAY: "The torque is late by {0}",
     SENSOR: "The sensor does not see the rotors: {0} of their inertia is missing in the torque",
     TILT: "The base is tilted: by {0} about x and {1} about y",
+    ZERO: "Zeros of positions are off, which --offset puts right, by {all}",
     ARMATURE: "The inertia about the joint's axis is off by {0}",
 }
 
