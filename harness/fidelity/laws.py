@@ -156,6 +156,8 @@ WITHOUT_EFFECT = (
     Silent("PyBullet 3.2.7", "joint friction of a URDF"),
     Silent("MuJoCo 4.0.0", "noslip_iterations on an elliptic cone without a y freedom"),
     Silent("MuJoCo 4.0.0", "a contact's solreffriction on a pyramidal cone"),
+    Silent("MJX 3.17.0", "noslip_iterations; polynomials of a joint's damping and stiffness; springyield"),
+    Silent("MJX 3.17.0", "damping and armature of a motor"),
     Silent(
         "SAPIEN 3.0.3",
         "joint.set_friction is a unitless coefficient times a joint force, and 0.05 when nothing is said",

@@ -210,7 +210,7 @@ def _said(every: Sequence[Effort]) -> str:
     own = (right.row["engine"], right.row["route"], right.others)
     beside = [one for one in every if (one.row["engine"], one.row["route"], one.others) == own]
     cut = next((one for one in beside if one.effort == (4, 8)), None)
-    text = "The line search decides, not the iterations: a hold from rest shows nothing, one that slid first does."
+    text = "The line search decides, not the iterations: a hold from rest can miss it, one that slid first does not."
     if cut is not None and cut.slid is not None and right.slid is not None:
         engine, slid, mended = engine_name(right.row["engine"]), *(number(1e6 * y, 3) for y in (cut.slid, right.slid))
         effort = "/".join(map(str, right.effort))
