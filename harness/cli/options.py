@@ -132,12 +132,17 @@ Joint = tuple[Path, str | None, Gravity | None]
 """A robot's model, which joint of it, and gravity, m/s^2."""
 
 
-def _joint(robot: Path | None, joint: str | None, gravity: Gravity | None) -> Joint | None:
-    """None where no robot is given."""
+def _joint(robot: Path | None, joint: str | None, gravity: Gravity | None, base: str | None) -> Joint | None:
+    """None where no robot is given. Raises InputError for a base that moves: no log that is read says how."""
+    if base not in (None, "fixed", "free"):
+        raise InputError("--base", repr(base), "fixed or free is accepted")
+    if base == "free":
+        rack = "--base fixed, of a robot in a rack or lying with its trunk still (--gravity says how), is accepted"
+        raise InputError("--base free", "how the base moves is in no log that is read", rack)
     if robot is not None:
         check_file(robot)
         return robot, joint, gravity
-    refuse("given without --robot", "it is accepted with --robot FILE", joint=joint, gravity=gravity)
+    refuse("given without --robot", "it is accepted with --robot FILE", joint=joint, gravity=gravity, base=base)
     return None
 
 
@@ -147,8 +152,9 @@ robot_options = group(
     click.option("--robot", type=PATH, metavar="FILE", help="A robot's model, MJCF, URDF or SDF."),
     click.option("--joint", metavar="NAME", help="Which joint of it, or all.  [the only one that moves, or all]"),
     click.option("--gravity", type=float, nargs=3, metavar="X Y Z", help="m/s^2, at the base.  [the model's]"),
+    click.option("--base", metavar="fixed", help="A free or floating base is held.  [fixed]"),
 )
-"""--robot, --joint, --gravity."""
+"""--robot, --joint, --gravity, --base."""
 
 
 rows_options = group(

@@ -60,6 +60,7 @@ def test_every_option_of_a_command_is_an_argument_with_its_default(name: str) ->
         "join",
         "calibration",
         "topic",
+        "base",
     }
     # of many recordings in one call: the library leaves the loop over them to its user
     elsewhere |= {"cluster", "conditions"}

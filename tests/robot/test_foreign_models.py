@@ -9,13 +9,16 @@ import pytest
 from chains import chain, urdf
 
 from harness.app.run.joint import JointRun, run_joint
+from harness.cli.main import run
 from harness.core.errors import InputError
+from harness.engines.models import folder
 from harness.robot.arm import Arm, load_arm
 from harness.robot.reduction import reduced
 from harness.robot.repair import of_a_body
 
 LINK = '<inertial pos="0 .1 -.2" mass="1" diaginertia=".1 .1 .1"/>'
 G = 9.81
+FILE = folder() / "arm" / "arm.xml"
 
 
 def mjcf(world: str, more: str = "") -> str:
@@ -42,6 +45,14 @@ def test_a_floating_base_is_held_and_a_loose_body_is_left_out(tmp_path: Path, fr
     same_torque(floating, loaded(tmp_path, arms.replace("{}", "")))
     (note,) = floating.notes
     assert "trunk is held" in note
+
+
+def test_a_base_may_be_said_to_be_fixed_and_not_to_be_free(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run_of = ["run", "--robot", str(FILE), "--joint", "elbow", "--engine", "mujoco", "--quiet"]
+    assert run([*run_of, "--base", "fixed", "--out", str(tmp_path / "out")]) == 0
+    assert run([*run_of, "--base", "free", "--out", str(tmp_path / "other")]) == 2
+    assert "--base fixed" in capsys.readouterr().err
+    assert run(["run", "--base", "fixed"]) == 2
 
 
 def test_a_floating_joint_of_a_urdf_is_held(tmp_path: Path) -> None:
