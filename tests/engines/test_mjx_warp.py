@@ -231,6 +231,27 @@ def test_the_search_that_is_recommended_is_as_good_as_full_effort(
     assert creep(name, slider, speed, 1, 50, **chosen) <= 1.01 * full + line_search_creep(m, f, STEP, 30)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "chosen"), [pytest.param(*row[:2], marks=only(row[0])) for row in ROUNDED], ids=str)
+def test_on_a_floor_four_iterations_with_the_recommended_search_are_as_good_as_full_effort(
+    name: str, chosen: dict[str, Any]
+) -> None:
+    """A box that stops under half of its friction, on an elliptic cone of impratio 100."""
+    random = np.random.default_rng(12)
+    for _ in range(4):
+        m, mu = float(np.exp(random.uniform(-1.5, 1.5))), float(random.uniform(0.02, 0.06))
+        slider = Slider(m, 0.0, 1e-3 * m, mu * m * 9.81)
+        scenario = MIDDLE.slide(slider, float(random.uniform(20.0, 120.0)) * 0.5 * mu * 9.81 * STEP)
+        found = []
+        for iterations in (100, 4):
+            effort = {"iterations": iterations, "ls_iterations": 50, "cone": "elliptic", "impratio": 100.0} | chosen
+            trace = engine(name).simulate(Task(scenario, "contact", "as-shipped", STEP, effort))
+            found.append(MIDDLE.measure(trace, scenario))
+        full, few = (abs(one["creep_m_s"] or 0.0) for one in found)
+        assert few <= 1.05 * full + 1e-5
+        assert abs((found[0]["rest_error_m"] or 0.0) - (found[1]["rest_error_m"] or 0.0)) < 1e-5
+
+
 @pytest.mark.parametrize("name", BOTH)
 def test_rows_of_a_gpu_are_made_where_they_are_asked_for_alone(name: str) -> None:
     engines = {name: engine(name)}
