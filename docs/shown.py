@@ -2,7 +2,8 @@
 
 A page shows a command as a block of ``console`` that begins with "$ harness"; what follows it up to the next command or
 the end of the block is what it prints. Files that a page shows under their name (`` `mine.py`: ``) are there when its
-commands run, and so are the recording of the example and the model of the arm. One in a block of ``sh`` is not run.
+commands run, and so are the recording of the example and the model of the arm. One in a block of ``sh`` is not run. One
+behind "! " is refused, as in a shell, and what it says is shown.
 """
 
 import os
@@ -12,6 +13,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import textwrap
 from pathlib import Path
 
 DOCS = Path(__file__).resolve().parent
@@ -24,6 +26,8 @@ PAGES = (
     "words.md",
     "own-scene.md",
     "robot-servo.md",
+    "verdicts.md",
+    "own-engine.md",
 )
 GIVEN = (DOCS / "example" / "rig.csv", DOCS.parent / "models" / "arm" / "arm.xml")
 _BLOCK = re.compile(r"(?<=^```console\n)\$ .*?(?=^```$)", re.MULTILINE | re.DOTALL)
@@ -52,13 +56,15 @@ def _again(block: str, folder: Path) -> str:
 
 def _run(command: str, folder: Path) -> str:
     """What a command prints, without what is another machine's."""
-    program, *words = shlex.split(command)
+    refused = command.startswith("! ")
+    program, *words = shlex.split(command.removeprefix("! "))
     environment = {**os.environ, "COLUMNS": str(_WIDTH), "NO_COLOR": "1", "PYTHONIOENCODING": "utf-8"}
     call = [sys.executable, *(["-m", "harness.cli"] if program == "harness" else []), *words]
     ended = subprocess.run(call, cwd=folder, env=environment, capture_output=True, text=True, check=False)
-    if ended.returncode > 1:  # 1: a check failed, which it says
+    if (ended.returncode > 1) is not refused:  # 1: a check failed, which it says
         raise SystemExit(f"{command}: {ended.stderr}")
-    return "".join(f"{line.rstrip()}\n" for line in ended.stdout.splitlines() if not _ELSEWHERE.search(line))
+    said = textwrap.fill(ended.stderr, _WIDTH) if refused else ended.stdout
+    return "".join(f"{line.rstrip()}\n" for line in said.splitlines() if not _ELSEWHERE.search(line))
 
 
 if __name__ == "__main__":

@@ -80,8 +80,8 @@ def _based(
 
 def _missed(chi2: float, line: str) -> str:
     return (
-        f"this model leaves {math.sqrt(chi2):.3g} times the noise (chi2 {chi2:.3g} a point): these numbers are biased."
-        f" What it misses: {line}"
+        f"residual {math.sqrt(chi2):.3g} times the noise (chi-square per point {chi2:.3g}): these numbers are biased."
+        f" Try: {line}"
     )
 
 

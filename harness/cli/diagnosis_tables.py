@@ -17,14 +17,11 @@ if TYPE_CHECKING:
 
 def say_diagnosis(result: "DiagnosisResult") -> None:
     """One diagnosis: the sentence, both fits, what was named, and what stands beside it."""
-    say_motion(result.motion)
-    say_all(result.recording.notes)
     say(result.statement)
     if result.robot is not None and result.robot.servo is not None:
         _servo(result.robot.servo)
         _robot(result.robot)
-        say_all(result.warnings)
-        say_as_it_is(f"report: {result.files['report']}")
+        _ending(result)
         return
     if result.robot is not None and result.robot.arm is not None and "f_k" not in result.baseline.parameters:
         _every_joint(result.robot.arm)
@@ -48,13 +45,13 @@ def say_diagnosis(result: "DiagnosisResult") -> None:
         ]
         show_rows(("mechanism", "grade", "P", "of misfit", "held out", "free run"), rows, ("mechanism", "grade"))
         say("P: probability of being the main effect")
-        say("of misfit: share of the mean square beyond noise that it takes off alone")
+        say("of misfit: share of the mean square beyond noise that it explains alone")
         say("held out: error after over before, blocks of cycles; free run: the last 40 %")
     if result.holdout.given:
         say(f"- held out: {_held_out(result)}; {', '.join(result.holdout.given)} given, not predicted")
     for mechanism in result.mechanisms:
         if mechanism.grade == "explains":
-            say(f"- {mechanism.name}: BIC {mechanism.delta_bic:.0f} in favour")
+            say(f"- {mechanism.name}: BIC +{mechanism.delta_bic:.4g}")
         if mechanism.alternatives:
             others = ", ".join(f"{a.name} (by {a.delta_bic:.1f})" for a in mechanism.alternatives)
             say(f"- not ruled out in place of {mechanism.name}: {others}")
@@ -62,7 +59,19 @@ def say_diagnosis(result: "DiagnosisResult") -> None:
         _robot(result.robot)
     if result.attribution is not None and (result.settings.get("sim") or result.settings.get("model")):
         _shares(result.attribution)
-    say_all([*filter(None, [result.next_experiment]), *result.warnings])
+    _ending(result)
+
+
+def _ending(result: "DiagnosisResult") -> None:
+    """How it was read, the next step, the first caution; the others are on the page."""
+    say_motion(result.motion)
+    say_all(result.recording.notes[:1])
+    if result.next_experiment:
+        say(f"- next: {result.next_experiment}")
+    say_all(result.warnings[:1])
+    more = len(result.warnings[1:]) + len(result.recording.notes[1:])
+    if more:
+        say(f"- {more} more note{'s' * (more > 1)} on the page")
     say_as_it_is(f"report: {result.files['report']}")
 
 
@@ -72,7 +81,7 @@ def say_motion(found: "MotionResult | None") -> None:
         say(f"motion: {found.kind}, {found.reason}{'; ' if found.wanted else ''}{found.wanted}")
 
 
-_TOLD = {"identifiable": "told", "weak": "told weakly", "not": "not told"}
+_TOLD = {"identifiable": "identifiable", "weak": "weakly identifiable", "not": "not identifiable"}
 
 
 def _servo(found: "ServoResult") -> None:
@@ -83,7 +92,7 @@ def _servo(found: "ServoResult") -> None:
         (one.of, f"{one.before:.3g}", f"{one.after:.3g}", f"{one.after / one.before:.2f}" if one.before else "-")
         for one in runs
     ]
-    heads = ("free run", "Coulomb alone", "with what is named", "factor")
+    heads = ("free run", "Coulomb alone", "with the terms found", "factor")
     show_rows(heads, rows, ("free run",), "mean absolute error of position, mrad")
     for term in found.terms:
         held = " to ".join(f"{x:.3g}" for x in term.held_out_mrad)
@@ -93,12 +102,12 @@ def _servo(found: "ServoResult") -> None:
         say(f"- {term.name}: {term.said} (evidence {term.evidence:.0f}{out}{tied})")
     told = {one.parameter: one for one in found.identifiable}
     sides = [found.base, found.parameters] if found.terms else [found.parameters]
-    above = ("number", *(["Coulomb alone"] if found.terms else []), "value", "told")
+    above = ("number", *(["Coulomb alone"] if found.terms else []), "value", "identifiable")
     numbers: list[list[str]] = [
         [name, *(with_error(side.get(name)) for side in sides), told[name].verdict if name in told else "given"]
         for name in found.parameters
     ]
-    show_rows(above, numbers, ("number", "told"))
+    show_rows(above, numbers, ("number", "identifiable"))
     say_all(f"{one.parameter} is {_TOLD[one.verdict]}: {one.why}." for one in found.identifiable if one.why)
     say_all(f"{line}." for line in found.confounded)
     if found.bam:
@@ -124,9 +133,9 @@ def _robot(found: "RobotResult") -> None:
         for one in found.identifiable
         if found.joint in ("all", one.joint) and one.verdict != "identifiable" and one.error
     ]
-    say_all(f"{one.joint}, {one.parameter}: {one.verdict} to be told, {one.why}; {one.mend}" for one in own)
+    say_all(f"{one.joint}, {one.parameter}: {_TOLD[one.verdict]}, {one.why}; {one.mend}" for one in own)
     if found.confounded:
-        say(f"- this log cannot tell apart: {'; '.join(' and '.join(pair) for pair in found.confounded)}")
+        say(f"- this log cannot distinguish: {'; '.join(' and '.join(pair) for pair in found.confounded)}")
     if found.simulated:
         _simulated(found.simulated)
     if found.paste.mjcf:
@@ -144,8 +153,8 @@ def _every_joint(arm: "ArmResult") -> None:
         law = "-" if one.curve is None else one.curve.laws[0].name
         left = f"{figure(one.held_out_before, '.3g')} to {figure(one.held_out_after, '.3g')}"
         rows.append((one.joint, with_error(f_k), with_error(c), law, named, left))
-    heads = ("joint", "dry friction", "damping", "law", "named beside", "torque left")
-    show_rows(heads, rows, ("joint", "law", "named beside"))
+    heads = ("joint", "dry friction", "damping", "law", "other effects", "residual torque")
+    show_rows(heads, rows, ("joint", "law", "other effects"))
     of_arm = ", ".join(e.name for e in arm.found if e.joint is None)
     say_all([f"of the whole arm: {of_arm}"] if of_arm else [])
 

@@ -125,7 +125,7 @@ def _read(problem: Problem, laws: Sequence[ModelTerm], named: Sequence[Model]) -
         return read
     fits = read.fits([based.fit.model, *named], laws)
     if not fits:
-        raise SimulationError("a recording cannot be followed with what is named")
+        raise SimulationError("a recording cannot be simulated with the terms found")
     return replace(read, found=min(fits, key=lambda one: one.chi2))
 
 

@@ -53,7 +53,7 @@ class PhysxEngine(SteppedEngine):
         if settings["solverType"] == "PGS" and not settings["enableExternalForcesEveryIteration"]:
             lines.append("enableExternalForcesEveryIteration: PGS takes a force once a step anyway")
         if settings["solverType"] == "TGS" and settings["own_viscous"]:
-            lines.append("friction_force: what is told holds a part of the viscous force, which TGS takes by itself")
+            lines.append("friction_force: what it reports holds a part of the viscous force, which TGS takes by itself")
         return tuple(lines)
 
     def simulate(self, task: Task) -> Trajectory:

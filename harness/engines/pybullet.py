@@ -193,7 +193,9 @@ class PybulletEngine(SteppedEngine):
             "MJCF: loadMJCF would ignore stiffness, damping and frictionloss, so the URDF is loaded",
         ]
         if task.route == "joint":
-            lines.append("URDF joint friction: read but without effect, a velocity motor limited to f_k stands for it")
+            lines.append(
+                "URDF joint friction: read but without effect, a velocity motor limited to f_k acts in its place"
+            )
         if task.route != "contact":
             shipped = self.presets(task.route, "as-shipped", task.dt)
             differ = [name for name in (*OF_CONTACT, "frictionAnchor") if settings[name] != shipped[name]]

@@ -158,7 +158,7 @@ def _warnings(t: FloatArray, fits: dict[str, ChannelFit]) -> list[str]:
     if wide.size:
         said.append(f"{wide.size} gap{'s' if wide.size > 1 else ''} in time, the longest {gaps.max():.4g} s")
     elif gaps.max() > 1.05 * usual or gaps.min() < 0.95 * usual:
-        said.append("the sampling is irregular")
+        said.append("sampling is irregular")
     for name, fit in fits.items():
         if fit.dropped:
             said.append(f"{name}: the first period was left out")

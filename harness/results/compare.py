@@ -26,7 +26,7 @@ class OtherShift(Result):
 
 class Aligned(Result):
     """The first trace's clock in that of the second: its first sample is moved by shift_s, and from there on a second
-    of it lasts scale seconds of the second's clock. scale_applied: a scale beyond what clocks differ by is told and
+    of it lasts scale seconds of the second's clock. scale_applied: a scale beyond what clocks differ by is reported and
     not applied, as it may be another frequency as well.
     """
 

@@ -74,7 +74,7 @@ class MechanismResult(Result):
     statement: str
     parameters: dict[str, P]
     grade: Grade = Field(default="explains", description="how much of what is missing it is")
-    share: float | None = Field(default=None, description="of the misfit beyond noise that it takes off alone")
+    share: float | None = Field(default=None, description="of the misfit beyond noise that it explains alone")
     chance: float | None = rare(
         "of the first name to be the main effect: on simulated machines that look alike, half of which have one; in the"
         " others several small effects come to the same"
@@ -141,7 +141,7 @@ class ChangeResult(Result):
     kind: Literal["parameter", "term", "setting"]
     name: str
     before: float | str | None = Field(description="as the simulation has it; null for a term it lacks")
-    after: float | str | None = Field(description="as the recording asks for it; null for a term to take out")
+    after: float | str | None = Field(description="as the recording has it; null for a term to take out")
     unit: str = ""
     said: str = Field(description="the change in words")
 
@@ -342,7 +342,7 @@ class DiagnosisResult(Paged):
     tables: list[TableResult] = Field(
         default_factory=list, description="what has no name, as curves; part of the refined model"
     )
-    surface: SurfaceResult | None = rare("of what has no name, what hangs on position and speed at once")
+    surface: SurfaceResult | None = rare("of a force without a name, what depends on position and speed at once")
     laws: list[SeenLawResult] = rare("what was found, beside the recording", list)
     fit_percent: FitPercent | None = None
     rules: list[RuleResult] = Field(default_factory=list, description="the numbers that moved the verdict")

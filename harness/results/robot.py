@@ -10,7 +10,7 @@ Pair = Annotated[list[str], Field(min_length=2, max_length=2)]
 
 
 class ReductionResult(Result):
-    """A joint's own equation with the others still, as the model has it; kg m^2 and N m, kg and N for a slide."""
+    """A joint's own equation, the other joints locked, as the model has it; kg m^2 and N m, kg and N for a slide."""
 
     inertia: float = Field(description="of what the joint moves, without its rotor")
     armature: float = Field(description="of its rotor")
@@ -209,7 +209,7 @@ class RobotResult(Result):
     joint: str = Field(description='"all" for every joint, whose parameters then have its name before theirs')
     mode: Literal["locked", "whole-arm", "servo"]
     reduction: ReductionResult | None = Field(description="null where the whole arm moves")
-    confounded: list[Pair] = Field(description="what this log cannot tell apart, whatever the fit says")
+    confounded: list[Pair] = Field(description="what this log cannot distinguish, whatever the fit says")
     paste: PasteResult
     match: list[MatchResult] = Field(default_factory=list, description="the log against its model, before a fit")
     simulated: list[SimulatedResult] = Field(default_factory=list, description="the copy of the model in engines")

@@ -87,7 +87,7 @@ class JointScore(Result):
     version: str
     dt_s: float | None
     creep: float | None = Field(description="under the load, rad/s or m/s; 0 is right, null without friction")
-    reversal_lead_s: float | None = Field(description="by which friction turns round before the speed does; 0 is right")
+    reversal_lead_s: float | None = Field(description="by which friction reverses before the velocity; 0 is right")
     settings: Settings
     ignored: list[str] = Field(default_factory=list)
     error: str | None = None
@@ -102,7 +102,7 @@ class ServoScore(Result):
     )
     zeta: float | None
     stable: bool = Field(
-        default=False, description="by both conditions; without a damping its speed turns round at every step"
+        default=False, description="by both conditions; without a damping its velocity reverses at every step"
     )
 
 

@@ -83,7 +83,7 @@ class SceneResult(SceneMotion, Paged):
     changed: SceneTried | None = Field(description="the least change that mends it, else what comes nearest; or null")
     change: str = Field(description="the same as a diff of the file; empty where there is nothing to change")
     proved: bool = Field(description="the changed file was run, and does as said")
-    dense_differs_m: float | None = rare("largest distance from a dense Jacobian, where MuJoCo's version asks for it")
+    dense_differs_m: float | None = rare("largest distance from a dense Jacobian, where MuJoCo's version needs it")
     conclusions: list[str]
     command: str = ""
     machine: Machine

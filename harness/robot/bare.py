@@ -101,7 +101,7 @@ def _plain(element: Any, texts: bool = False) -> Any:
 
 _OF_LOOKS = ("material", "texture", "hfield")
 _KNOWN, _FREE = ("revolute", "continuous", "prismatic", "fixed"), ("floating", "planar")
-_HELD = "the body {} is held: what is told of a joint is as if its base were fixed"
+_HELD = "the body {} is held: the numbers of a joint are as if its base were fixed"
 _URDF: Mapping[str, tuple[str, ...]] = {
     "robot": ("link", "joint", "mujoco"),
     "link": ("inertial",),

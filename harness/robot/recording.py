@@ -56,7 +56,7 @@ def one_joint(log: JointLog, own: Reduced) -> OneJoint:
             why = "a slide" if own.slides else "an axis along gravity"
             raise InputError(where, f"{found}, and nothing pulls {why} back", "an effort in N m or N is accepted")
         if pull == "pendulum" and own.spring > 0.0:
-            accepted = "an effort is accepted, which tells the two apart"
+            accepted = "an effort is accepted, which distinguishes the two"
             raise InputError(where, f"{found}, and both gravity and a spring pull it back", accepted)
     q, rest = log.position[name], own.q_ref if pull == "spring" else 0.0
     if pull == "pendulum":

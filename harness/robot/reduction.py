@@ -84,17 +84,17 @@ class Reduced:
         """The equation with its numbers, in words."""
         inertia, torque, angle = ("kg", "N", "m") if self.slides else ("kg m^2", "N m", "rad")
         rotor = f" with {self.armature:.4g} {inertia} of its rotor" if self.armature else ""
-        said = f"with the others still, {self.joint} moves {self.moved:.4g} {inertia}{rotor}"
+        said = f"with the other joints locked, {self.joint}: inertia {self.moved:.4g} {inertia}{rotor}"
         if self.slides:
-            said += f" against {self.constant:.4g} N of gravity" if self.constant else ""
+            said += f", gravity {self.constant:.4g} N" if self.constant else ""
         elif self.upright:
-            said += "; its axis is along gravity, which does not pull it anywhere"
+            said += ", no gravity torque (its axis is vertical)"
         else:
-            said += f" as a pendulum of {self.gravity:.4g} N m that hangs at {self.q_eq:.4g} rad"
+            said += f", gravity torque up to {self.gravity:.4g} N m (rest angle {self.q_eq:.4g} rad)"
         if self.spring:
             said += f"; its own spring has {self.spring:.4g} {torque}/{angle}, slack at {self.q_ref:.4g} {angle}"
         for name, ratio in self.ratios.items():
-            said += f"; {name} goes {ratio:.4g} times as far with it, and what is told of {self.joint} is of both"
+            said += f"; {name} moves {ratio:.4g} times as far with it, and the numbers of {self.joint} are of both"
         return f"{said}."
 
 

@@ -78,9 +78,9 @@ def test_tuned_engines_give_what_was_put_in_both_ways(done: Done, label: str) ->
 
 
 def test_a_sentence_says_why_as_shipped_mujoco_reads_too_little(done: Done) -> None:
-    (sentence,) = [s for s in done[0].conclusions if s.startswith("mujoco as-shipped: friction is no jump")]
-    assert "30.1 mm read outside a guard, 30 mm put in" in sentence
-    assert "passes zero 11 ms before the speed does" in sentence
+    (sentence,) = [s for s in done[0].conclusions if s.startswith("mujoco as-shipped: friction is regularised")]
+    assert "30.1 mm away from it (true: 30 mm)" in sentence
+    assert "11 ms before the velocity reversal" in sentence
 
 
 def test_what_is_left_is_whole_and_valid(done: Done) -> None:

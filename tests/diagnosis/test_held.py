@@ -69,7 +69,7 @@ def test_a_large_swing_is_a_pendulum_wherever_it_is_measured_from(zero: float) -
     problem, notes = prepare(Recording(T, recorded.channels, angular=True), Asked())
     assert isinstance(problem, Forced)
     assert problem.restoring is Restoring.PENDULUM
-    assert any(note.startswith("held by a pendulum and measured from an unknown zero") for note in notes)
+    assert any(note.startswith("fitted a pendulum with a zero offset") for note in notes)
     assert problem.first.offset == pytest.approx(zero, abs=0.02)
     assert problem.first.k == pytest.approx(ARM.k, rel=0.02)
 

@@ -202,7 +202,7 @@ def test_few_cycles_with_an_unknown_zero_make_the_law_most_likely_and_name_the_r
     assert short.mechanisms[0].name == "quadratic-drag"
     assert short.refined.model.terms[0].term.name == "quadratic-drag"
     assert "to its noise" in sentence_of(short)
-    assert any("cycles are few to exclude every other name; a decay of 8 would do" in one for one in short.warnings)
+    assert any("cycles are too few to exclude every other term; a decay of 8 would do" in one for one in short.warnings)
     assert short.next_experiment
     # a lone name is no list, and each name has its probability, which with that of none adds up to one
     assert (short.verdict == "one_of") is (len(short.mechanisms) > 1)

@@ -6,7 +6,7 @@ import runpy
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import redirect_stdout
+from contextlib import redirect_stderr, redirect_stdout
 from io import StringIO
 from pathlib import Path
 from typing import Any, get_args
@@ -57,11 +57,16 @@ def here(call: list[str], cwd: Path, env: dict[str, str], **given: Any) -> "subp
     if call[1:3] != ["-m", "harness.cli"]:
         with subprocess.Popen(call, cwd=cwd, env=env, stdout=subprocess.PIPE, text=True) as other:
             return subprocess.CompletedProcess(call, 0, other.communicate()[0], "")
-    with pytest.MonkeyPatch.context() as patch, redirect_stdout(StringIO()) as said:
+    with (
+        pytest.MonkeyPatch.context() as patch,
+        redirect_stdout(StringIO()) as said,
+        redirect_stderr(StringIO()) as wrong,
+    ):
         patch.chdir(cwd)
         for name in ("COLUMNS", "NO_COLOR"):
             patch.setenv(name, env[name])
-        return subprocess.CompletedProcess(call, run(call[3:]), said.getvalue(), "")
+        code = run(call[3:])
+        return subprocess.CompletedProcess(call, code, said.getvalue(), wrong.getvalue())
 
 
 @pytest.mark.slow
@@ -72,7 +77,16 @@ def here(call: list[str], cwd: Path, env: dict[str, str], **given: Any) -> "subp
         "start.md",
         *(
             pytest.param(f"{n}.md", marks=pytest.mark.full)
-            for n in ("own-recording", "own-simulation", "own-scene", "robot-example", "words", "robot-servo")
+            for n in (
+                "own-recording",
+                "own-simulation",
+                "own-scene",
+                "robot-example",
+                "words",
+                "robot-servo",
+                "verdicts",
+                "own-engine",
+            )
         ),
     ],
 )
@@ -83,6 +97,23 @@ def test_a_page_shows_what_its_commands_print(page: str, monkeypatch: pytest.Mon
     shown = made("shown.py")
     assert page in shown["PAGES"]
     alike(shown["text"](page), (DOCS / page).read_text(encoding="utf-8"), 0.02, LOOSE, f"python docs/shown.py {page}")
+
+
+def test_the_page_of_the_notebook_is_made_of_it() -> None:
+    cells = json.loads((CHECKOUT / "examples" / "friction.ipynb").read_text(encoding="utf-8"))["cells"]
+    text, pictures = made("notebook.py")["page"](cells)
+    assert text == (DOCS / "notebook.md").read_text(encoding="utf-8"), "run python docs/notebook.py"
+    assert {name: (DOCS / name).read_bytes() for name in pictures} == pictures
+
+
+@pytest.mark.full
+def test_the_notebook_prints_what_it_holds(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(CHECKOUT / "examples")
+    script = made("notebook.py")
+    cells = json.loads(script["NOTEBOOK"].read_text(encoding="utf-8"))["cells"]
+    held = script["page"](cells)[0]
+    script["run"](cells)
+    alike(script["page"](cells)[0], held, 0.02, LOOSE, "python docs/notebook.py")
 
 
 def test_the_example_is_what_its_maker_writes() -> None:

@@ -56,7 +56,7 @@ def test_known_friction_comes_out_of_a_servos_log(tmp_path: Path, joint: str, fi
     assert result.robot is not None
     assert (result.robot.joint, result.robot.mode) == (joint, "locked")
     assert ["f_k", "motor-constant"] in result.robot.confounded
-    assert result.statement.startswith(f"{joint}, the others still: ")
+    assert result.statement.startswith(f"{joint}: dry friction ")
     copy = load_arm(Path(result.files["robot_mjcf" if file == "arm.xml" else "robot_urdf"]))
     i = ARM.index(joint)
     assert copy.frictionloss[i] == pytest.approx(truth.f_k, rel=0.02)
@@ -101,7 +101,7 @@ def test_what_is_pasted_stands_for_a_law_that_no_model_has(tmp_path: Path) -> No
     log = _swing(terms=(ModelTerm.named("quadratic-drag", c2=c2),))
     result = _diagnosed(log, tmp_path)
     assert [one.name for one in result.mechanisms] == ["quadratic-drag"]
-    assert "line that comes nearest" in result.statement
+    assert any("nearest straight line" in line for line in result.warnings)
     copy, i = load_arm(Path(result.files["robot_mjcf"])), ARM.index("shoulder")
     v = np.abs(np.gradient(log.position["shoulder"], log.t))
     pasted, lost = copy.frictionloss[i] * v + copy.damping[i] * v**2, 0.03 * v + 0.05 * v**2 + c2 * v**3

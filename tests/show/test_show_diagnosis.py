@@ -191,7 +191,7 @@ def test_a_graded_verdict_says_how_much_it_takes_and_what_it_leaves(
         f"<td>{words}</td>",
         "<td>72.0</td>",
         "<td>0.50</td>",
-        "leaves 28.0 % of the misfit; its residual is 3.40 times the sensors&#39; noise",
+        "leaves 28.0 % of the misfit unexplained; its residual is 3.40 times the sensors&#39; noise",
         "Fit of x (NRMSE) rises from 98.25 to 99.12 %.",
         '"share of the misfit / %"',
         "<summary>Rules that decided</summary>",

@@ -286,7 +286,7 @@ def _added_words(reading: Reading) -> list[str]:
         return []
     unit = "rad/s" if reading.problem.angular else "m/s"
     step = "" if adds.step is None else f" with a step of {1e3 * adds.step:.4g} ms ({adds.scheme})"
-    soft = "turns round within a step"
+    soft = "reverses within a step"
     if adds.soft is not None:
         width, lead = adds.soft.value("v_r"), adds.soft.value("lead")
         soft = f"is regularised by its engine: it ramps over {width:.3g} {unit} and leads the velocity by"
@@ -334,13 +334,11 @@ def _sentences(found: Attribution, outcome: Outcome) -> list[str]:
         if own := [entry.term.name for entry in found.reading.model.terms]:
             figures += f", with {' and '.join(own)} of its own"
         said.append(
-            f"This trace reads like {figures}. Where your file says otherwise, the engine does that: a step or a "
-            "damping of its own reads so too. --model FILE parts the two."
+            f"Effective parameters of your trace: {figures}. If your model file has other values, the difference comes "
+            "from the engine; --model FILE separates the two."
         )
         if found.reading.left > 1.0:
-            said.append(
-                f"What no parameter shows, {found.reading.left:.3g} times the noise in mean square, the engine adds."
-            )
+            said.append(f"Engine error beyond parameters: {found.reading.left:.3g} times the noise variance.")
     if sentence := hidden(found, outcome):
         said.append(sentence)
     error = 0.0 if found.errors is None else max(found.errors.values())

@@ -107,6 +107,6 @@ def hidden(found: Attribution, outcome: Outcome) -> str | None:
         return None
     own, right = (float(getattr(model, name)) for model in (found.configured, outcome.refined.model))
     return (
-        f"The parameters hide the missing term: {name} {own:.3g} stands for {right:.3g} and {' and '.join(missing)}. "
-        f"Put right alone, the parameters make the match worse: change both."
+        f"Your {name} = {own:.3g} compensates for the missing {' and '.join(missing)}. Set {name} = {right:.3g} and add"
+        f" {'it' if len(missing) == 1 else 'them'} together."
     )

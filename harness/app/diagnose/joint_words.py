@@ -50,7 +50,7 @@ def stands_for(f_k: Quantity, c: Quantity, names: Sequence[str]) -> str:
         return ""
     dry, viscous = (str(q) if surely(q) else "none" for q in (f_k, c))
     return (
-        f" Pasted is the line that comes nearest: dry friction {dry} and damping {viscous} stand for"
+        f" Pasted is the nearest straight line: dry friction {dry} and damping {viscous} in place of"
         f" {', '.join(names)} at the speeds and loads of this log."
     )
 
@@ -135,9 +135,9 @@ def breaking(found: Slips, sliding: Quantity | None) -> MechanismResult | None:
     broken = found.break_away
     if broken is None or broken.value is None:
         return None
-    more = ", too shortly each time for what it slides with to be told"
+    more = ", too shortly each time to see its sliding friction"
     if sliding is not None:
-        more = ", more than it slides with"
+        more = ", more than its sliding friction"
         error = math.hypot(broken.stderr or 0.0, sliding.stderr or 0.0)
         if sliding.value is None or broken.value - sliding.value < _SURE * error:
             return None
@@ -174,7 +174,7 @@ _CLEARLY = 2.0
 """Standard errors by which an inertia must be above the model's for a rotor to be pasted."""
 _MULTIPLE = 2.0
 """Of the model's gravity or inertia, from which on a unit is in doubt."""
-_NO_OFFSET = "not fitted beside where it hangs: a constant torque shifts that, and this log tells no more"
+_NO_OFFSET = "not fitted: a constant torque shifts the rest angle, and this log shows no more"
 _GIVEN = "the robot's model gives it: no torque was measured"
 _UNSEEN = "the torque does not show it: taken as large as it could be unseen"
 _FREE = "not fitted: a constant force is tried as a mechanism of its own"
@@ -197,14 +197,21 @@ def named(
     left_out = [*paste.cannot_say("mjcf", terms), *paste.cannot_say("urdf", terms)]
     reduction = reduction_of(arm, found.reduced)
     update = {
-        "statement": _statement(result.statement, refined, arm, found, one) + stands_for(*nearest, curved),
+        "statement": _statement(result.statement, refined, arm, found.reduced.joint),
         "baseline": _with(result.baseline, base),
         "refined": _with(result.refined, refined),
         "curve": None if over_speed is None else CurveResult.model_validate(over_speed),
         "mechanisms": [m.model_copy(update={"statement": f"{case.joint}: {m.statement}"}) for m in result.mechanisms],
         "robot": case.robot(paste, mode="locked", reduction=reduction, confounded=_confounded(found, one)),
         "model_left_out": [*result.model_left_out, *left_out],
-        "warnings": [*one.warnings, *_scale(refined, found), *arm.notes, *result.warnings],
+        "warnings": [
+            *([pasted.strip()] if (pasted := stands_for(*nearest, curved)) else []),
+            *one.warnings,
+            *_scale(refined, found),
+            *_beside(refined, found, one),
+            *arm.notes,
+            *result.warnings,
+        ],
     }
     return result.model_copy(update=update), paste, nearest[0]
 
@@ -243,22 +250,22 @@ def _paste(nearest: tuple[Quantity, Quantity], inertia: Quantity, arm: Arm, foun
     return JointPaste(own.joint, f_k, c, armature, float(arm.model.opt.timestep))
 
 
-def _statement(statement: str, fitted: Mapping[str, Quantity], arm: Arm, found: Coupling, one: OneJoint) -> str:
-    own = found.reduced
-    i = arm.index(own.joint)
-    force = "N" if own.slides else "N m"
-    said = [
-        f"{own.joint}, the others still: {statement}",
-        f"Its dry friction is {fitted['f_k']}, its damping {fitted['c']}; the model has frictionloss"
-        f" {arm.frictionloss[i]:.4g} and damping {arm.damping[i]:.4g}.",
-    ]
+def _statement(statement: str, fitted: Mapping[str, Quantity], arm: Arm, joint: str) -> str:
+    i = arm.index(joint)
+    own = f"{arm.frictionloss[i]:.4g} and {arm.damping[i]:.4g}"
+    return f"{joint}: dry friction {fitted['f_k']}, damping {fitted['c']} (in the model {own}). {statement}"
+
+
+def _beside(fitted: Mapping[str, Quantity], found: Coupling, one: OneJoint) -> list[str]:
+    """Inertia and gravity, where they are fitted, next to the model's."""
+    own, said = found.reduced, []
     if fitted["inertia"].stderr:
-        said.append(f"Its inertia is {fitted['inertia']}, in the model {own.moved:.4g} with its rotor.")
+        said.append(f"Inertia {fitted['inertia']}, in the model {own.moved:.4g} with the rotor.")
     if "gravity" in fitted:
-        rest = fitted.get("rest_angle")
-        hangs = "" if rest is None or rest.value is None else f", and it hangs at {rest}, in the model {one.rest:.4g}"
-        said.append(f"Gravity's torque is {fitted['gravity']}, in the model {own.gravity:.4g} {force}{hangs}.")
-    return " ".join(said)
+        rest, force = fitted.get("rest_angle"), "N" if own.slides else "N m"
+        angle = "" if rest is None or rest.value is None else f"; rest angle {rest}, in the model {one.rest:.4g}"
+        said.append(f"Gravity torque {fitted['gravity']}, in the model {own.gravity:.4g} {force}{angle}.")
+    return said
 
 
 def _scale(fitted: Mapping[str, Quantity], found: Coupling) -> list[str]:

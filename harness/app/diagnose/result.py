@@ -154,7 +154,7 @@ def result_of(
         baseline_model=to_document(base.model),
         refined_model=to_document(refined.model),
         model_left_out=[f"{one.said}: no model file holds a covariate" for one in covariates],
-        warnings=[*prepared.warnings, *outcome.warnings, *shared.warnings],
+        warnings=[*problem.choices, *prepared.warnings, *outcome.warnings, *shared.warnings],
         settings=options.settings(),
         validation=None if other is None else validated(other, outcome, options),
         command=command,

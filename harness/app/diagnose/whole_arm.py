@@ -241,7 +241,7 @@ def _in_short(joint: JointFriction, own: Sequence[EntryResult]) -> str:
 def _statement(joint: JointFriction, own: Sequence[EntryResult]) -> str:
     """Friction, and what is found beside it, the largest share first."""
     more = [one.statement for one in own]
-    none = [] if more or joint.left is None else ["Nothing is named beside it."]
+    none = [] if more or joint.left is None else ["No other effect is found."]
     line = stands_for(*joint.line, [effect.name for effect in joint.effects])
     over_speed = [] if joint.curve is None else [of_curve(joint.curve)]
     return " ".join((joint.statement, *over_speed, *more, *none)) + line

@@ -26,11 +26,11 @@ def conclusions(result: JointRunResult) -> list[str]:
         )
     elif bears <= gravity:
         said.append(
-            f"Dry friction of {friction:.4g} {torque} does not hold gravity's {gravity:.4g} {torque};"
-            f" creep is that under {result.load:.4g} {torque}, nearly all that friction bears."
+            f"Dry friction ({friction:.4g} {torque}) is below gravity's {gravity:.4g} {torque}; creep is measured under"
+            f" {result.load:.4g} {torque}, nearly all that friction bears."
         )
     else:
-        said.append(f"Creep is that under {result.load:.4g} {torque}; a real joint does not move.")
+        said.append(f"Creep is measured under {result.load:.4g} {torque}; a real joint does not move.")
     if gravity < _COMPENSATED * own.gravity:
         said.append(f"Your file compensates gravity's {own.gravity:.4g} {torque} but for {gravity:.4g} {torque}.")
     said += [sentence for one in result.as_it_is for sentence in _itself(result, one)]
@@ -42,7 +42,7 @@ def conclusions(result: JointRunResult) -> list[str]:
         lead = "-" if score.reversal_lead_s is None else f"{score.reversal_lead_s * 1e3:.3g} ms"
         said.append(
             f"{score.engine} {score.preset}, step {1e3 * (score.dt_s or 0.0):.3g} ms: {result.joint} creeps at"
-            f" {creep}, and friction turns round {lead} before the speed."
+            f" {creep}, and friction reverses {lead} before the velocity."
         )
     return said + _servo(result)
 
@@ -95,7 +95,7 @@ def _servo(result: JointRunResult) -> list[str]:
         if not one.stable:
             acts = "it diverges"
         elif one.false_damping is None:
-            acts = "it is stable, and turns round at every step"
+            acts = "it is stable, and reverses at every step"
         elif one.zeta is None:
             acts = f"{one.false_damping:+.3g} false damping"
         else:

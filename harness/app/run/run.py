@@ -28,8 +28,9 @@ from harness.model.model import Model, Restoring
 from harness.results.common import P
 from harness.results.run import Metrics, RunResult, TraceResult
 from harness.robot.own_model import is_own, own_model
-from harness.show.numbers import heading
+from harness.show.numbers import heading, units_of
 from harness.show.report.motion import run_scene
+from harness.show.report.run import headline as said_of
 from harness.show.report.run import metrics_shown, run_page
 from harness.show.scene import notes_of
 
@@ -219,6 +220,11 @@ def measured(trajectory: Trajectory, case: Case) -> TraceResult:
 
 
 Lines = list[list[str]]
+
+
+def headline(result: RunResult) -> str:
+    """The answer in a sentence a preset."""
+    return said_of([one for one in result.traces if not one.error], units_of(result.scenario))
 
 
 def summary(result: RunResult) -> tuple[str, tuple[str, ...], Lines]:

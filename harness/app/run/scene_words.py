@@ -105,7 +105,7 @@ def _mend(result: SceneResult) -> list[str]:
 
 
 def _use(motion: SceneMotion) -> str:
-    return "" if motion.cone_use is None else f" ({100.0 * motion.cone_use:.2g} % of the friction there is)"
+    return "" if motion.cone_use is None else f" ({100.0 * motion.cone_use:.2g} % of the friction available)"
 
 
 def _speed(value: float) -> str:

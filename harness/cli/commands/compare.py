@@ -88,5 +88,11 @@ def _print(result: "CompareResult") -> None:
             share = "" if where.share is None else f", {100.0 * where.share:.0f} % of the mismatch"
             say(f"- {where.regime}: {where.condition}{share}")
     read = {f"{Path(one.file).name}: {note}" for one in result.recordings for note in one.notes}
-    say_all([*sorted(read), *result.sentences])
+    # what the headline has is said once
+    more = [
+        one
+        for one in result.sentences
+        if one.partition(" (")[0].removeprefix(f"{next(iter(result.traces))} ") not in headline
+    ]
+    say_all([*sorted(read), *(one for one in more if not one.startswith("largest difference"))])
     say_as_it_is(f"report: {result.outputs['report']}")

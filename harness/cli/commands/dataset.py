@@ -70,7 +70,7 @@ def _print_machines(result: "MachinesResult") -> None:
         )
         for row in result.rows
     ]
-    heads = ("machine", "verdict", "named or listed", "takes off", "held out")
+    heads = ("machine", "verdict", "named or listed", "explains", "held out")
     show_rows(heads, rows, heads[:3])
     say_all(f"{row.name}: {row.said}" for row in result.rows if row.verdict == "error")
     if result.absent:

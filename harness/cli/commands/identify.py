@@ -80,5 +80,7 @@ def _print(result: "IdentifyResult") -> None:
     if result.baseline is not None:
         chi2 = result.baseline.chi2_per_point
         say(f"viscous and Coulomb friction fitted to all channels: chi2 {chi2:.3g} a point (1 is the noise)")
-    say_all([*result.warnings, *found.notes, *refused])
+    # what a note says in full is said once
+    more = [one for one in result.warnings if not any(note.lower().startswith(one.lower()) for note in found.notes)]
+    say_all([*more, *found.notes, *refused])
     say_as_it_is(f"report: {result.files['report']}")

@@ -132,10 +132,10 @@ def _print_joint(result: "JointRunResult") -> None:
 
 
 def _print(result: "RunResult") -> None:
-    from harness.app.run.run import summary
+    from harness.app.run.run import headline, summary
 
     about, heads, lines = summary(result)
-    say(about)
-    show_rows(heads, lines)
+    say(headline(result))
+    show_rows(heads, lines, (), about)
     say_all(result.conclusions)
     say_as_it_is(f"report: {result.files['report']}")

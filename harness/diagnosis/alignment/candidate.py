@@ -169,7 +169,9 @@ _STEP, _MOST_TRIED = 0.25, 41
 CLEARLY = 0.25
 """Share of the mean square that another rate must leave at most, and another shift than the releases'. Of two decays of
 slightly different rate, moving one takes off half: with weight e^(-2s) the variance of s over its mean square."""
-_DIFFER = "the two differ by more than clocks do, and a clock that is fast cannot be told from a stiffer spring"
+_DIFFER = (
+    "the two differ by more than clocks do, and a clock that is fast cannot be distinguished from a stiffer spring"
+)
 
 
 def rated(pair: Pair, taken: Candidate) -> tuple[Quantity, Candidate]:

@@ -101,7 +101,7 @@ def said(found: Sequence[Rival], without: FloatArray, asked: bool, refused: tupl
     text = f"{name} enters as {best.covariate.said}{', as asked' if asked else ''}: {', '.join(parts)}."
     near = [NAMED[r.covariate.acts] for r in found[1:] if behind(r.left) < DECISIVE.value]
     if near:
-        text += f" Below {DECISIVE.value:g} it is not told from {' or '.join(near)}."
+        text += f" Below {DECISIVE.value:g} it cannot be distinguished from {' or '.join(near)}."
     if gained < DECISIVE.value:
         text += f" Below {DECISIVE.value:g} nothing shows that {name} acts at all."
     return f"{text} Held-out figures are given {name}; it is not predicted."

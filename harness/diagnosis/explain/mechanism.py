@@ -199,8 +199,8 @@ def remainder_of_force(graded: ForceGraded) -> Remainder:
 def _looks_like(depends: Mapping[str, float]) -> str:
     first = max(depends, key=lambda name: depends[name])
     if depends[first] >= _CLEARLY:
-        return f"what is left looks like {_SAID[first]} ({100.0 * depends[first]:.0f} % of it)"
-    return "what is left hangs on no single one of position, speed, time, direction and amplitude"
+        return f"the residual looks like {_SAID[first]} ({100.0 * depends[first]:.0f} % of it)"
+    return "the residual shows no trend"
 
 
 def shares_of(rows: Sequence[FloatArray], t: FloatArray, x: FloatArray, v: FloatArray) -> dict[str, float]:

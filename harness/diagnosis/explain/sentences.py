@@ -31,69 +31,60 @@ from harness.kernels.solve import Scales
 from harness.model.registry import TERMS
 from harness.model.term import DRIVEN, LARGER, SLOW
 
-_ONE = ("this recording", "its", "it", "this recording")
-_SEVERAL = ("these recordings", "their", "they", "these recordings together")
+_ONE, _SEVERAL = ("this recording", "its"), ("these recordings", "their")
+_WORTH = 0.01
+"""Share of the misfit from which a table is worth a sentence."""
 _SURE = 0.99
 """Probability that is not told apart from certainty."""
 
 
 def sentence_of(outcome: Outcome, has: Sequence[str] = ()) -> str:
-    """The verdict in a sentence or two, with numbers, and what was chosen before it.
+    """The verdict in two sentences at most, with numbers.
 
-    has : names of the terms that the user's own simulation has, which then does not leave them out.
+    has : names of the terms that the user's own simulation has, which it then does not lack.
     """
-    return " ".join((_verdict(outcome, has), *outcome.problem.choices))
-
-
-def _verdict(outcome: Outcome, has: Sequence[str]) -> str:
-    it, its, they, _ = _SEVERAL if outcome.problem.alone else _ONE
-    verdict, mechanisms = outcome.verdict, outcome.mechanisms
-    if verdict == "adequate":
-        return f"Viscous and Coulomb friction explain {it} to {its} noise: nothing is left out that {they} could show."
-    if verdict == "missing_physics":
-        said = " ".join(m.statement for m in mechanisms)
-        if len(mechanisms) == 1 and MOST_LIKELY in outcome.rules:
-            return f"{_most_likely(outcome, f'explains {it} to {its} noise', has)} {said}"
-        return f"{_left_out([m.name for m in mechanisms], has)}: {said}"
-    # a constant force that the base has
-    beside = "".join(f" Beside it: {m.statement}" for m in mechanisms if m.grade is Grade.EXPLAINS)
-    tables, table = [m for m in mechanisms if m.grade is Grade.TABULATED], ""
-    if tables:
-        laws = " ".join(dict.fromkeys(m.statement for m in tables))
-        table = f" What has no name is in the model as a table that takes {_percent(tables[0].share)} off. {laws}"
-    left = "" if outcome.remainder is None else outcome.remainder.looks_like
-    return f"{_graded(outcome, has)}{beside}{table}{f' {left[0].upper()}{left[1:]}.' if left else ''}"
-
-
-def _graded(outcome: Outcome, has: Sequence[str]) -> str:
-    """Which names are how much of what is left out."""
-    it, its, _, these = _SEVERAL if outcome.problem.alone else _ONE
+    it, its = _SEVERAL if outcome.problem.alone else _ONE
+    mechanisms = outcome.mechanisms
+    match outcome.verdict:
+        case "adequate":
+            return f"No missing physics: viscous and Coulomb friction explain {it} to {its} noise."
+        case "missing_physics" if len(mechanisms) == 1 and MOST_LIKELY in outcome.rules:
+            return f"{_most_likely(outcome, f'explains {it} to {its} noise', has)}. {mechanisms[0].statement}"
+        case "missing_physics":
+            return _missing(mechanisms, has)
     # beside the names that share a verdict a model may hold small parts
     parts = {Grade.TABULATED, Grade.EXPLAINS} | ({Grade.MINOR} if outcome.verdict == "one_of" else set())
-    named = [m for m in outcome.mechanisms if m.grade not in parts]
-    words = [_plain(m.name) for m in named]
-    share = _percent(named[0].share) if named else ""
+    named = [m for m in mechanisms if m.grade not in parts]
+    words, share = [_plain(m.name) for m in named], _percent(named[0].share) if named else ""
     if outcome.verdict == "main_effect":
-        over = 1.0 if outcome.remainder is None else outcome.remainder.over_noise
-        likely = _most_likely(outcome, f"{share} of the misfit", has)
-        return f"{likely} {named[0].statement} The residual is {over:.2g} times the sensors' noise."
+        likely = _most_likely(outcome, f"explains {share} of the misfit", has)
+        return f"{likely}: {_numbers(named[0])}.{_residual(outcome)}"
     if outcome.verdict == "one_of":
-        one_of = f"one of {', '.join(words[:-1])} or {words[-1]}"
-        leaves = "viscous and Coulomb friction leave" if has else "the simulation leaves"
-        if outcome.remainder is None:
-            others = "the other" if len(words) == 2 else "the others"
-            return (
-                f"What {leaves} out is {one_of}: {words[0]} explains {it} to {its} noise, {others} nearly as well, and"
-                f" {these} cannot tell which."
-            )
-        return (
-            f"The main thing that {leaves} out is {one_of}; {these} cannot tell which. The first takes {share} of the"
-            " misfit off."
-        )
-    minor = f" The largest single part of it is {words[0]} ({share})." if words else ""
+        return _one_of(outcome, words, share)
+    minor = f" The largest contribution is {words[0]} ({share} of the misfit)." if words else _residual(outcome)
+    return f"Cannot tell what is missing: no term of the catalogue explains most of the misfit.{minor}"
+
+
+def _one_of(outcome: Outcome, words: Sequence[str], share: str) -> str:
+    """Names that a recording cannot distinguish."""
+    it, its = _SEVERAL if outcome.problem.alone else _ONE
+    names = f"{', '.join(words[:-1])} or {words[-1]}; {it} cannot distinguish them"
+    if outcome.remainder is not None:
+        likely = [m.probability for m in outcome.mechanisms if m.grade is Grade.ONE_OF and m.probability is not None]
+        p = f" (together P {min(sum(likely), _SURE):.2f})" if likely else ""
+        return f"Dominant effect missing{p}: {names}. {_capital(words[0])} explains {share} of the misfit."
+    others = "the other does" if len(words) == 2 else "the others do"
+    return f"Missing physics: {names}. {_capital(words[0])} explains {it} to {its} noise, {others} nearly as well."
+
+
+def _residual(outcome: Outcome) -> str:
+    """What the best model's residual is like, a blank before it; empty where nothing is known of it."""
+    tables = [m for m in outcome.mechanisms if m.grade is Grade.TABULATED]
+    if tables and (tables[0].share or 0.0) >= _WORTH:
+        return f" A force without a name, tabulated, explains {_percent(tables[0].share)} of it."
+    left = outcome.remainder
     return (
-        f"Viscous and Coulomb friction do not explain {it}, and no entry of the catalogue is the main part of what they"
-        f" leave.{minor}"
+        "" if left is None else f" {_capital(left.looks_like)} and is {left.over_noise:.2g} times the sensors' noise."
     )
 
 
@@ -102,17 +93,27 @@ def _most_likely(outcome: Outcome, does: str, has: Sequence[str]) -> str:
     first = outcome.mechanisms[0]
     p = "" if first.probability is None else f"P {min(first.probability, _SURE):.2f}, "
     had = ", which your simulation has" if first.name in has else ""
-    return f"Most likely missing: {_plain(first.name)}{had} ({p}{does}):"
+    return f"Most likely missing: {_plain(first.name)}{had} ({p}{does})"
 
 
-def _left_out(names: Sequence[str], has: Sequence[str]) -> str:
+def _missing(mechanisms: Sequence[Mechanism], has: Sequence[str]) -> str:
     """What explains the recording, and how much of it the simulation has."""
-    own, missing = (" and ".join(_plain(n) for n in names if (n in has) is inside) for inside in (True, False))
-    if not own:
-        return f"The simulation leaves out {missing}"
+    missing, own = ([m for m in mechanisms if (m.name in has) is inside] for inside in (False, True))
+    had = " and ".join(_plain(m.name) for m in own)
     if not missing:
-        return f"Viscous and Coulomb friction leave out {own}, which your simulation has"
-    return f"The simulation has {own} and leaves out {missing}"
+        return f"No missing physics: the recording needs {had}, which your simulation has. {mechanisms[0].statement}"
+    if len(missing) == 1:
+        said = f"Missing physics: {_plain(missing[0].name)}{f', beside {had} of your simulation' if had else ''}."
+        return f"{said} {missing[0].statement}"
+    return f"Missing physics: {' and '.join(f'{_plain(m.name)} ({_numbers(m)})' for m in missing)}."
+
+
+def _numbers(one: Mechanism) -> str:
+    return ", ".join(f"{name} = {q}" for name, q in one.parameters.items())
+
+
+def _capital(text: str) -> str:
+    return f"{text[0].upper()}{text[1:]}"
 
 
 def _plain(name: str) -> str:
@@ -123,7 +124,7 @@ def _percent(share: float | None) -> str:
     return "an unknown share" if share is None else f"{100.0 * share:.0f} %"
 
 
-_NOTHING = "No parameter or term is advised to be changed:"
+_NOTHING = "No change is advised:"
 
 
 def unadvised(outcome: Outcome) -> str | None:
@@ -136,17 +137,14 @@ def unadvised(outcome: Outcome) -> str | None:
         return None
     refined, left = outcome.refined, outcome.chi2_per_point(outcome.refined)
     if left is not None and left >= ADVISED.value and outcome.verdict != "main_effect":
-        return f"{_NOTHING} the best model found leaves {math.sqrt(left):.3g} times the noise itself."
+        return f"{_NOTHING} the best model's residual is {math.sqrt(left):.3g} times the noise."
     held = [f.name for f, v in zip(refined.free, refined.values, strict=True) if v <= f.lower or v >= f.upper]
     if held:
-        return (
-            f"{_NOTHING} in the best model found {' and '.join(held)} ended on a bound, so that other numbers stand in"
-            " for it."
-        )
+        return f"{_NOTHING} {' and '.join(held)} of the best model ended on a bound, so that other numbers compensate."
     if not _runs_better(outcome):
         return (
-            f"{_NOTHING} fitted to the first part of the recording, the best model found misses as much of the rest as"
-            " the base model."
+            f"{_NOTHING} fitted to the first part of the recording, the best model predicts the rest no better than the"
+            " base model."
         )
     return None
 
@@ -156,9 +154,7 @@ def left_beside(outcome: Outcome) -> str | None:
     left = outcome.chi2_per_point(outcome.refined)
     if left is None or left < ADVISED.value:
         return None
-    return (
-        f"These numbers are of a model that leaves {math.sqrt(left):.3g} times the noise: what it lacks is in them too."
-    )
+    return f"The residual of this model is {math.sqrt(left):.3g} times the noise: what it lacks biases these numbers."
 
 
 def _runs_better(outcome: Outcome) -> bool:
@@ -185,21 +181,18 @@ def cautions(found: Search, judgement: Judgement, prediction: Holdout) -> tuple[
         one, other = (" with ".join(key_of(f)) for f in (chosen, judgement.rival))
         return (
             f"{one} would explain it, but {other} nearly as well (BIC {judgement.rival.bic - chosen.bic:.0f} worse):"
-            " when pairs of different kinds do, it is as likely an effect of no catalogue, and none is named; standard"
-            " errors are inflated by the misfit",
+            " an effect outside the catalogue is as likely, and none is reported; standard errors are inflated"
+            " accordingly",
         )
     said = []
     if judgement.verdict == "unexplained":
-        why = "no entry or pair of the catalogue explains it" if found.doubted is None else _followed(found.doubted)
-        said.append(f"{why}; standard errors are inflated by the misfit")
+        why = "no model fits down to the noise" if found.doubted is None else _followed(found.doubted)
+        said.append(f"{why}; standard errors are inflated accordingly")
         misfit = base.chi2 - base.points
         closest = found.singles[:_MOST_CLOSEST] if misfit > 0.0 else ()
         near = [f"{key_of(f)[0]} {100.0 * (base.chi2 - f.chi2) / misfit:.0f} %" for f in closest]
         if near:
-            said.append(
-                f"of the misfit the closest entries take off, each alone: {', '.join(near)}; none is named, because"
-                " none explains it"
-            )
+            said.append(f"closest terms, share of the misfit explained by each alone: {', '.join(near)}")
         if found.problem.spare > DECISIVE.value:
             said.append(
                 "the noise of the measured force shifts reversals and sticking by more than can be allowed for; a force"
@@ -208,31 +201,27 @@ def cautions(found: Search, judgement: Judgement, prediction: Holdout) -> tuple[
         return tuple(said)
     if LEAST_CYCLES in judgement.rules:
         few = _few(strokes_of(chosen, found.problem).cycles, found.problem)
-        said.append(f"it explains the recording to its noise, but {few}")
+        said.append(few)
     if SHARE_OF_MISFIT in judgement.rules:
         said.append(
-            f"noise is {100.0 * chosen.chi2 / base.chi2:.0f} % of what viscous and Coulomb friction leave: several"
-            " small effects could do the rest as well"
+            f"noise is {100.0 * chosen.chi2 / base.chi2:.0f} % of the base model's residual: several small effects"
+            " could explain the rest as well"
         )
     if judgement.verdict == "missing_physics" and prediction.refined_rmse:
         most = {c: PREDICTS_WORSE.value * before for c, before in prediction.baseline_rmse.items()}
         worse = [c for c, after in prediction.refined_rmse.items() if after > most[c]]
         if worse:
-            said.append(f"BIC decides for the refined model although it predicts {', '.join(worse)} worse")
+            said.append(f"BIC prefers the refined model although it predicts {', '.join(worse)} worse")
     return tuple(said)
 
 
 def cautions_of_misfit(graded: Graded, doubted: Fit | None = None) -> tuple[str, ...]:
     """Of a misfit that no model explains; doubted : a pair that meets the noise on too few words."""
     misfit = graded.misfit
-    tried = "entry or pair" if misfit.problem.pairs_searched else "entry"
-    why = f"no {tried} of the catalogue explains it to its noise" if doubted is None else _followed(doubted)
-    said = [f"{why}; standard errors allow for the misfit"]
+    why = "no model fits down to the noise" if doubted is None else _followed(doubted)
+    said = [f"{why}; standard errors are inflated accordingly"]
     if misfit.left_out > 0.0:
-        said.append(
-            f"the first {misfit.left_out:.4g} s, up to the first turning point, took no part: what lets go there cannot"
-            " be told from what is missing"
-        )
+        said.append(f"skipped the first {misfit.left_out:.3g} s, up to the first turning point (release transient)")
     if LEAST_CYCLES in graded.rules:
         said.append(_few(graded.cycles, misfit.problem))
     return (*said, *_doubts(graded), *keeping_time(graded))
@@ -240,26 +229,26 @@ def cautions_of_misfit(graded: Graded, doubted: Fit | None = None) -> tuple[str,
 
 def cautions_of_force(graded: ForceGraded) -> tuple[str, ...]:
     """Of a fitted force that nothing explains."""
-    none = "no entry of the catalogue says the force to its noise"
+    none = "no model fits the force down to its noise"
     if graded.over.left is Left.NOISE:
-        none = "what says the force to its noise moves worse than viscous and Coulomb friction alone"
-    said = [f"{none}; standard errors allow for what is left"]
+        none = "what fits the force down to its noise simulates worse than viscous and Coulomb friction alone"
+    said = [f"{none}; standard errors are inflated accordingly"]
     if LEAST_CYCLES in graded.rules:
         many = f"{2.0 * LEAST_CYCLES.value:g}"
-        said.append(f"{graded.words:.3g} effective samples are few to exclude every other name; {many} would do")
+        said.append(f"{graded.words:.3g} effective samples are too few to exclude every other term; {many} would do")
     return (*said, *_doubts(graded), *keeping_time(graded))
 
 
 def _few(cycles: float, problem: Problem) -> str:
     of = "recording" if "driven" in problem.given else "decay"
-    return f"{cycles:.3g} cycles are few to exclude every other name; a {of} of {LEAST_CYCLES.value:g} would do"
+    return f"{cycles:.3g} cycles are too few to exclude every other term; a {of} of {LEAST_CYCLES.value:g} would do"
 
 
 def _followed(pair: Fit) -> str:
     """Why a pair that meets the noise is no verdict."""
     return (
-        f"{' with '.join(key_of(pair))} would leave noise alone, but two laws can follow the few independent strokes of"
-        " this recording whatever acts"
+        f"{' with '.join(key_of(pair))} would leave only noise, but two laws can mimic any effect in so few independent"
+        " half-cycles"
     )
 
 
@@ -269,8 +258,8 @@ def keeping_time(found: Contest) -> tuple[str, ...]:
     if clock is None:
         return ()
     return (
-        f"{clock.name} takes {100.0 * clock.share:.0f} % of the misfit off and is no name: it keeps time with the"
-        " motion itself, and such a law follows any other",
+        f"{clock.name} fits {100.0 * clock.share:.0f} % of the misfit but is not reported: phase-locked to the motion,"
+        " it can mimic any law",
     )
 
 
@@ -279,17 +268,14 @@ def _doubts(found: Contest) -> tuple[str, ...]:
     if found.grade not in (Grade.MAIN, Grade.ONE_OF) or MOST_LIKELY not in found.rules:
         return ()
     return (
-        f"of simulated machines that look like this one {100.0 * found.posterior['']:.0f} % have no main effect:"
-        " several small ones come to the same",
+        f"of simulated machines like this one {100.0 * found.posterior['']:.0f} % have no dominant effect, but several"
+        " small ones that look the same",
     )
 
 
 def out_of_budget(seconds: float) -> str:
     """Of a search that a budget, s, ended."""
-    return (
-        f"the budget of {seconds:g} s ended the search: what is said is the best so far, and laws that were not tried"
-        f" may explain more (--budget {4.0 * seconds:g} goes on)"
-    )
+    return f"the budget of {seconds:g} s ended the search with the best so far; --budget {4.0 * seconds:g} tries more"
 
 
 _MOST_HIDDEN = 2
@@ -306,21 +292,21 @@ def hiding(numbers: Mapping[str, Quantity], hidden: tuple[Hidden, ...]) -> tuple
     by_name = {one.name: one for one in sorted(hidden, key=worst)}  # of a law's variants the one that shifts most
     largest = list(reversed(by_name.values()))[:_MOST_HIDDEN]
     laws = " or ".join(f"{h.name} with {h.number} up to {h.most:.2g} {h.unit}".removesuffix(" 1") for h in largest)
-    return (f"{laws} could hide in it: beside each number stands what that could shift it by",) if laws else ()
+    return (f"{laws} could be hidden in it; each number has the systematic error that it would cause",) if laws else ()
 
 
 _BY_FAMILY = {
     "friction": "releases from several displacements, the smallest a few times x_k, and a longer rest at the end",
     "damping": "releases from displacements that differ by a factor of three or more",
     "stiffness": LARGER,
-    "environment": "the same release repeated: what hangs on the clock and what hangs on the motion then part",
+    "environment": "the same release repeated, later: an effect of the clock stays with the clock",
     "sensor": "position and acceleration recorded together",
 }
 _DRIVEN = {
     "friction": SLOW,
     "damping": "drives whose speeds differ by a factor of three or more",
     "stiffness": DRIVEN[LARGER],
-    "environment": "the same drive repeated: what hangs on the clock and what hangs on the motion then part",
+    "environment": "the same drive repeated, later: an effect of the clock stays with the clock",
     "sensor": "position and acceleration recorded together",
 }
 _PARTS = 0.5
@@ -356,11 +342,11 @@ def to_be_sure(mechanisms: Sequence[Mechanism], rules: Sequence[Rule], driven: b
         return ""
     term = listed[0].entry.term
     if LEAST_CYCLES in rules and driven:
-        advice = f"a recording of {2.0 * LEAST_CYCLES.value:g} independent strokes or more"
+        advice = f"a recording of {2.0 * LEAST_CYCLES.value:g} independent half-cycles or more"
     elif LEAST_CYCLES in rules:
         advice = f"a decay of {LEAST_CYCLES.value:g} cycles or more, let go from farther out if friction ends it before"
     elif term.repeating("travel") is not None:
-        advice = "strokes from other places: what hangs on the place stays where it is"
+        advice = "strokes from other places: an effect of the place stays where it is"
     else:
         advice = (_DRIVEN if driven else _BY_FAMILY)[term.family]
     return f"To be sure of {listed[0].name}: {advice}."

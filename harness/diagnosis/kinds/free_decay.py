@@ -59,12 +59,12 @@ class FreeDecays(Kind[FreeDecay]):
         if zeroed is not None:
             based, scales = zeroed, zeroed.scales
             found = search(based.problem, based.fit, scales)
-            notes = ("measured from an unknown zero: what was found asks for it, where the base fit did not",)
+            notes = ("zero offset fitted as well: the refined model needs it, the base model does not",)
         over = over_by(found.chosen, found.problem, scales) if found.explained else None
         free = after_hand(found.problem, scales, over) if over is not None or not found.explained else None
         if free is not None:
             found, scales, touched = free
-            left_out = f"the first {touched:.4g} s are left out: no free decay, as if a hand had not yet been off"
+            left_out = f"skipped the first {touched:.2g} s (hand still in contact?)"
             notes = (*notes, left_out)
         elif over is not None:
             # what is over while a hand lets go is the hand's: nothing of what follows is explained by it

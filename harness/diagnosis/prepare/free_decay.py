@@ -54,8 +54,7 @@ def free_decay_problem(recording: Recording, asked: Asked) -> tuple[FreeDecay, t
     if moving.released:
         problem, touched = without_hand(problem, moving.half)
         if touched > 0.0:
-            why = "no free decay of this slider, as if a hand was not yet off"
-            notes = (*notes, f"{touched:.4g} s after the release are left out: {why}")
+            notes = (*notes, f"skipped the first {touched:.2g} s after the release (hand still in contact?)")
     return replace(problem, acting=tuple(Acting.of(recording, one) for one in asked.covariates)), notes
 
 

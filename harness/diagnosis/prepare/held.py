@@ -53,9 +53,13 @@ def held(problem: P, asked: Asked) -> tuple[P, str]:
         one = evidence(first.chi2, found.chi2, words, int(zero) - int(plain), 1.0)
         if one >= GAIN.value and one > gain:
             gain, restoring, free = one, other, zero
-    said = f"held by {_NAMES[restoring]} and measured from {'an unknown zero' if free else 'its rest'}: the base fit"
     problem = replace(problem, restoring=restoring, zero_free=free)
-    return problem, f"{said} asks for it (evidence {gain:.0f})" if gain > 0.0 else ""
+    return problem, _chosen(restoring, free, gain) if gain > 0.0 else ""
+
+
+def _chosen(restoring: Restoring, free: bool, gain: float) -> str:
+    """What was fitted because it is better by this in BIC."""
+    return f"fitted {_NAMES[restoring]}{' with a zero offset' if free else ' measured from rest'} (BIC +{gain:.0f})"
 
 
 def _choices(problem: Problem, asked: Asked) -> Sequence[tuple[Restoring, bool]]:
@@ -131,6 +135,5 @@ def held_driven(asked: Asked, state: State, u: FloatArray, angular: bool) -> tup
         near = by[0] > 0.0 and abs(by[1]) <= ZERO_REACH.value * reach * by[0]
         if (way is hangs or near) and gain >= GAIN.value and gain > most:
             best, most = way, gain
-    chosen, what = replace(asked, restoring=best, zero_free=most > 0.0), f"held by {_NAMES[best]}"
-    said = f"{what} and measured from an unknown zero: the force asks for it (evidence {most:.0f})"
-    return chosen, (said,) if most > 0.0 else ()
+    chosen = replace(asked, restoring=best, zero_free=most > 0.0)
+    return chosen, (_chosen(best, True, most),) if most > 0.0 else ()

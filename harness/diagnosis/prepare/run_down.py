@@ -22,7 +22,7 @@ ONE_WAY = (
     "a run-down in one direction: f_k holds whatever pushes steadily against it besides, a grade, a tilt or an offset"
     " (a second one in the other direction would part them)"
 )
-RATIOS = "without --mass, or --inertia, only ratios to it are told: c/m and f_k/m"
+RATIOS = "without --mass, or --inertia, only ratios to it are identifiable: c/m and f_k/m"
 
 
 def run_down_problem(recording: Recording, asked: Asked) -> tuple[RunDown, tuple[str, ...]]:

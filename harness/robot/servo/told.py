@@ -12,7 +12,7 @@ from harness.robot.servo.servo import Servo
 
 _WEAK, _NONE = 0.03, 0.3
 """Relative standard errors up to which a number is told (6 % is two of them), and from which it is not."""
-_NOT = "no part of the log tells it"
+_NOT = "no part of the log shows it"
 _NORMAL = 0.6745
 """Median of the absolute value of a normal number of unit variance."""
 PLAIN = ("zero", "sine", "cosine")
@@ -52,7 +52,7 @@ def verdicts(found: ServoFit) -> list[tuple[str, str, str]]:
         other, together = partners.get(name, ("", 0.0))
         why = "on its bound, without effect" if found.bound(name) else f"standard error of {100.0 * share:.2g} %"
         if verdict != "identifiable" and abs(together) > 0.9:
-            why += f"; it goes with {other} (correlation {together:.2f})"
+            why += f"; correlated with {other} ({together:.2f})"
         said.append((name, verdict, "" if verdict == "identifiable" else why))
     return said
 
@@ -66,10 +66,12 @@ def confounded(servo: Servo, runs: tuple[Run, ...]) -> list[str]:
     else:
         given = "brake is the data sheet's, c what is more" if "c" in values else "all of it is written as brake"
         said.append(
-            f"the gears' damping, k_t^2/R and kd are one number ({given}): only a log with torque off parts them"
+            f"the gears' damping, k_t^2/R and kd are one number ({given}): only a log with torque off separates them"
         )
     if "gain" in servo.best.logs.known and known.servo is None:
-        said.append("torque and duty are one product: without a preset (--servo) the voltage's share is not told")
+        said.append(
+            "torque and duty are one product: without a preset (--servo) the voltage's share is not identifiable"
+        )
     if known.scale == "inertia":
         said.append(
             "without gravity's torque or a data sheet all torques are ratios to the inertia: --robot or --servo"

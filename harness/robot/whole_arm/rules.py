@@ -59,7 +59,7 @@ TOLD_GRAVITY = Rule(
     "share of gravity",
     "an offset and gravity are listed as confounded where the motion does not show so large an error of gravity at the"
     " level of a rival",
-    "as mass-spread: errors that are expected must be told from the offset, or the offset may be theirs",
+    "as mass-spread: errors that are expected must be distinguishable from the offset, or the offset may be theirs",
 )
 TOLD_DELAY = Rule(
     "told-delay",
@@ -174,7 +174,7 @@ HELD_LEAST = Rule(
     0.3,
     "share",
     "presliding holds at least so much of Coulomb friction, backlash of the load",
-    "by their laws all of it; the rest is for what stands beside them",
+    "by their laws all of it; the rest is for what else acts",
 )
 HELD_MOST = Rule("held-most", 1.7, "share", HELD_LEAST.moves.replace("least", "most"), HELD_LEAST.origin)
 AT_EDGE = Rule(
@@ -197,7 +197,7 @@ WEAK = Rule(
     "weakly-identifiable",
     0.1,
     "share of the torque",
-    "it is weak where the error is less, and else not to be told from the log",
+    "it is weak where the error is less, and else not identifiable from the log",
     "five times identifiable: as large as the friction of a good joint",
 )
 BODY_SPREAD = Rule(

@@ -185,7 +185,7 @@ class _Told:
         smoothed = noise < UNSMOOTHED.value * math.sqrt(float(np.mean(filtered.torque[:, j] ** 2)))
         remainder = None if smoothed else math.sqrt(float(np.mean(remaining**2))) / noise
         unit = self._unit(name, "N m")
-        better = f", {after:.3g} {unit} with what is named" if after < SAID_BETTER.value * before else ""
+        better = f", {after:.3g} {unit} with the effects found" if after < SAID_BETTER.value * before else ""
         both, dof = kept & self.plain.parts[j].stretches.kept, filtered.dof[j]
         effects, first = tuple(self._effects(j, remainder)), self.solved.first.parts[j].torque
         found = self.curved.get(j)
@@ -194,8 +194,8 @@ class _Told:
             coulomb,
             viscous,
             offset,
-            f"{name}: Coulomb friction {coulomb}, viscous friction {viscous}; it leaves {before:.3g} {unit} of torque"
-            f" that was not fitted{better}.",
+            f"{name}: Coulomb friction {coulomb}, viscous friction {viscous}; residual torque {before:.3g} {unit} rms"
+            f"{better}.",
             effects,
             (before, after),
             remainder,
@@ -311,7 +311,7 @@ class _Told:
         if one.rivals:
             said += f" {' or '.join(one.rivals)} would explain it nearly as well."
         if pair and name not in ERRORS:
-            said += f" It stands for the pair: {pair}; this log cannot tell which."
+            said += f" It may be either of the pair: {pair}; this log cannot tell which."
         explains = remainder is not None and remainder < EXPLAINED.value
         grade = Grade.EXPLAINS if explains else Grade.MAIN if share > MAIN.value else Grade.MINOR
         return Entry(

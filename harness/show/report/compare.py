@@ -62,7 +62,7 @@ def compare_headline(result: CompareResult) -> str:
     if result.verdict != "different":
         return f"{first} and {second} are the same within noise{after}."
     value = shown_value(abs(largest.value), largest.unit)
-    far = f"at most {value} apart in {largest.channel}, at {number(largest.time_s, 3)} s"
+    far = f"largest difference {value} in {largest.channel} at {number(largest.time_s, 3)} s"
     words = [difference_words(one).partition(" (")[0] for one in telling(result.differences)[:_SAID]]
     if not result.aligned.scale_applied:
         return f"{faster_words(result)}; {far}{after}."
@@ -134,7 +134,7 @@ def phase_figure(shown: Shown) -> Figure:
         for name, (x, v), color in zip(shown.names, shown.motion, (FIRST, "ink"), strict=True)
     ]
     both = "x" in shown.channels and "v" in shown.channels
-    caption = "" if both else "What was not measured is smoothed or summed from what was."
+    caption = "" if both else "What was not measured is differentiated or integrated from what was."
     layout = axes(f"{place} / {unit}", f"{speed} / ({by})", showlegend=True)
     return Figure("compare-phase", traces, layout, caption, "", 480)
 

@@ -79,7 +79,7 @@ def _machines(rows: Sequence[MachineRow]) -> Section:
     columns = [
         Column("named or listed", _each(lambda m: f"{m.name} ({m.grade})")),
         Column(
-            "takes off",
+            "explains",
             _each(lambda m: "-" if m.share is None else f"{100.0 * m.share:.0f}"),
             "%",
             "of the misfit beyond the noise, alone",

@@ -85,7 +85,7 @@ def diagnosis_page(
     name = "the recording on standard input" if about.file == "-" else PurePath(about.file).name
     if result.recordings:
         name = f"{len(result.recordings)} recordings of one machine"
-    return b.Page(f"What a simulation leaves out of {name}", samples_of(about), sections)
+    return b.Page(f"Diagnosis of {name}", samples_of(about), sections)
 
 
 def to_change(attribution: AttributionResult) -> list[str]:
@@ -193,9 +193,7 @@ def index_page(answers: Sequence[Answer], folder: Path, command: str, fleet: Fle
     first = fleet_sections(fleet) if fleet else [b.verdict(headline, failed, heading="Over all recordings")]
     verdicts = Counter(str(answer.verdict) for answer in answers)
     line = ", ".join(f"{verdicts[verdict]} {words}" for verdict, words in VERDICTS.items() if verdicts[verdict])
-    return b.Page(
-        f"What simulations leave out of {len(answers)} recordings", line, [*first, b.Section("Recordings", blocks)]
-    )
+    return b.Page(f"Diagnoses of {len(answers)} recordings", line, [*first, b.Section("Recordings", blocks)])
 
 
 def _link(answer: Answer, folder: Path) -> str:

@@ -344,7 +344,7 @@ def evidence(result: DiagnosisResult) -> list[Block]:
         # where names are graded: a share of the misfit says more than a BIC that counts samples
         ordered = sorted(result.evidence, key=lambda one: -(one.share or 0.0))
         names, percent = [one.name for one in ordered], [100.0 * (one.share or 0.0) for one in ordered]
-        caption = f"{tried}: share of the mean square misfit beyond noise that it takes off. Blue: named."
+        caption = f"{tried}: share of the mean square misfit beyond noise that it explains. Blue: reported."
         colors = [looks[name] for name in names]
         return [_percents("evidence", names, percent, colors, "share of the misfit / %", caption)]
     best = sorted(result.evidence, key=lambda one: one.delta_bic)[::-1]
@@ -360,7 +360,7 @@ def evidence(result: DiagnosisResult) -> list[Block]:
     limits = [0.0, math.log10(1.3 * gains[0])]
     layout["xaxis"] = {"title": {"text": "BIC gained"}, "type": "log", "range": limits, "dtick": 1}
     caption = (
-        f"{tried}; 10 is decisive. Blue: in the refined model. With two effects, a name that explains neither alone can"
+        f"{tried}; 10 is decisive. Blue: in the refined model. With two effects, a term that explains neither alone can"
         f" still do well here.{none}"
     )
     return [Figure("evidence", [trace], layout, caption, "", 110 + 24 * len(better))]
@@ -372,7 +372,7 @@ def left(result: DiagnosisResult) -> list[Block]:
     assert rest is not None
     best = f"with {best_terms(result)}" if result.mechanisms else "viscous and Coulomb"
     sentence = (
-        f"The best model found ({best}) leaves {number(100.0 * rest.share, 3)} % of the misfit; its residual is "
+        f"The best model ({best}) leaves {number(100.0 * rest.share, 3)} % of the misfit unexplained; its residual is "
         f"{number(rest.over_noise, 3)} times the sensors' noise. {rest.looks_like[0].upper()}{rest.looks_like[1:]}."
     )
     percent = [100.0 * rest.depends_on.get(name, 0.0) for name in _DEPENDS]

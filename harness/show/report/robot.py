@@ -99,7 +99,7 @@ def _told(result: DiagnosisResult) -> list[b.Section]:
     pairs = [" and ".join(pair) for pair in robot.confounded]
     return [
         *([_identifiable(robot.identifiable)] if robot.identifiable else []),
-        *([b.verdict("", pairs, heading="What this log cannot tell apart")] if pairs else []),
+        *([b.verdict("", pairs, heading="What this log cannot distinguish")] if pairs else []),
         *([_matches(robot.match)] if robot.match else []),
         to_paste(robot.paste, result.model_left_out),
     ]
@@ -319,7 +319,7 @@ def _found(found: Sequence[EntryResult]) -> b.Section:
         b.Column("of", lambda one: one.joint or "the arm"),
         b.Column("or", lambda one: ", ".join(filter(None, (one.partner, *one.rivals))) or "-"),
         b.Column("grade", lambda one: one.grade),
-        b.Column("takes off", lambda one: f"{100.0 * one.share:.0f}", "%"),
+        b.Column("explains", lambda one: f"{100.0 * one.share:.0f}", "%"),
         b.Column("evidence", lambda one: number(one.evidence, 3)),
     ]
     tables = [b.tabulated("name", columns, found, lambda one: one.name)] if found else []
@@ -344,7 +344,7 @@ def _scores(result: JointRunResult, held: Sequence[Trajectory], swings: Sequence
     unit, scale = _moved(result)
     columns = [
         b.Column("creep", str, f"{unit}/s", "under the load; a real joint does not move"),
-        b.Column("lead", str, "ms", "by which friction turns round before the speed"),
+        b.Column("lead", str, "ms", "by which friction reverses before the velocity"),
     ]
     rows, notes = [], []
     for one in result.scores:

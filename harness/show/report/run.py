@@ -200,11 +200,11 @@ def _estimates(traces: Sequence[TraceResult], scenario: Mapping[str, Any], palet
             for trace, color in zip(traces, palette, strict=True)
         ]
         unit = next((quantity(p_of(one, name))[2] for trace in traces for one in trace.estimates.values()), "")
-        put_in = "" if truth is None else f", put in as {truth * _SHOWN_FACTOR[unit]:.6g} {unit}".rstrip()
+        put_in = "" if truth is None else f", true value {truth * _SHOWN_FACTOR[unit]:.6g} {unit}".rstrip()
         columns = [b.Column(method, str, unit, METHODS.get(method, "")) for method in methods]
         tables.append(b.Table("source", columns, rows, "", label + put_in, reasons.footnotes))
     said = (
-        "Below each value: one standard error, and the deviation from what was put in. The gap between acceleration and"
+        "Below each value: one standard error, and the deviation from the true value. The gap between acceleration and"
         "\nacceleration-local measures how far an engine smears the jump of the acceleration."
     )
     explained = b.Facts({method: METHODS[method] for method in methods if method in METHODS})

@@ -61,7 +61,7 @@ def _free_runs(servo: ServoResult, runs: Runs, engines: Sequence[tuple[str, Floa
     errors = [*servo.fitted, *servo.held_out]
     columns = [
         b.Column("torque, damping, Coulomb friction", lambda one: number(one.before, 3), "mrad"),
-        b.Column("with what is named", lambda one: number(one.after, 3), "mrad"),
+        b.Column("with the terms found", lambda one: number(one.after, 3), "mrad"),
         b.Column("factor", lambda one: number(one.after / one.before, 3) if one.before else None),
     ]
     least = f"the sensor's noise and steps are {number(servo.floor_mrad, 2)} mrad rms"
@@ -98,7 +98,7 @@ def _numbers(servo: ServoResult) -> b.Section:
     names = list(servo.parameters)
     columns = [
         b.Column("Coulomb alone", lambda name: size(servo.base.get(name))),
-        b.Column("with what is named", lambda name: size(servo.parameters[name])),
+        b.Column("with the terms found", lambda name: size(servo.parameters[name])),
         b.Column(
             "told", lambda name: b.Cell(told[name].verdict, told[name].why.split("; ")) if name in told else "given"
         ),

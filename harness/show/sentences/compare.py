@@ -101,8 +101,7 @@ def _clock(result: CompareResult, name: str) -> list[str]:
         error = f"{100.0 * (rate.value - 1.0):.3g} +- {100.0 * rate.stderr:.1g} %"
         said.append(f"the clock of {name} runs at another rate: its second is longer by {error}")
     close = [one for one in aligned.alternatives if one.worse_by < _CLOSE]
-    said += [
-        f"a shift of {one.shift_s:.4g} s cannot be ruled out: it leaves {one.worse_by:.3g} times the mean square"
-        for one in close
-    ]
+    if close:
+        shifts = ", ".join(f"{one.shift_s:.4g}" for one in close)
+        said.append(f"other shifts fit nearly as well: {shifts} s")
     return said

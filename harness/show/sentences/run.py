@@ -23,16 +23,13 @@ def _friction(trace: TraceResult, scenario: Scenario) -> str | None:
     guarded, local = _x_k(trace, "acceleration"), _x_k(trace, "acceleration-local")
     if true == 0.0 or guarded is None or local is None or step is None:
         return None
-    numbers = f"x_k is {mm(local)} read at the reversal itself, {mm(guarded)} read outside a guard, {mm(true)} put in"
+    numbers = f"Estimated x_k: {mm(local)} at the reversal, {mm(guarded)} away from it (true: {mm(true)})"
     if abs(local) >= SMEARED * abs(guarded):
-        return f"friction jumps at the reversal, as dry friction does: {numbers}."
+        return f"friction jumps at the reversal, as dry friction does. {numbers}."
     if lead is None or abs(lead) <= step:
-        return f"friction reverses within one step of {step * 1e3:.3g} ms: {numbers}."
+        return f"friction reverses within one step of {step * 1e3:.3g} ms. {numbers}."
     return (
-        "friction is no jump at the reversal but a steep, continuous function of the speed and of the acceleration to"
-        f" come, and passes zero {lead * 1e3:.2g} ms before the speed does: {numbers}. The estimator at the reversal"
-        " sees the last sample before it and the first after, between which only part of the jump 2 x_k has happened;"
-        " away from the reversal the force is the right one."
+        f"friction is regularised: it ramps through zero {lead * 1e3:.2g} ms before the velocity reversal. {numbers}."
     )
 
 
@@ -42,7 +39,7 @@ def _rest(trace: TraceResult, scenario: Scenario) -> str | None:
     if creep is None or error is None:
         return None
     if abs(creep) > AT_REST:
-        return f"it never sticks, but creeps at {mm(abs(creep))}/s towards where the spring is relaxed."
+        return f"it never sticks: it creeps at {mm(abs(creep))}/s towards the relaxed spring."
     return f"it comes to rest {mm(abs(error))} from the exact place."
 
 
@@ -60,8 +57,8 @@ def _damping(trace: TraceResult, scenario: Scenario) -> str | None:
     else:
         why = f"its integrator {'adds' if found > true else 'takes away'} damping"
     wrong = x_k is not None and abs(x_k - scenario.slider.x_k) > CLOSE * scenario.slider.x_k
-    also = f", which also makes x_k read {mm(x_k)} where {mm(scenario.slider.x_k)} was put in" if wrong and x_k else ""
-    return f"zeta reads {found:.4f} where {true:.4f} was put in: {why}{also}."
+    also = f"; it biases x_k too: {mm(x_k)} (true: {mm(scenario.slider.x_k)})" if wrong and x_k else ""
+    return f"estimated zeta: {found:.4f} (true: {true:.4f}), because {why}{also}."
 
 
 EXACT = 1e-5
@@ -86,7 +83,8 @@ def conclusions(traces: Sequence[TraceResult], scenario: Scenario) -> list[str]:
             found = [*_creep(trace), *_against(trace, traces[0])]
         if (trace.metrics.lift_m or 0.0) > LIFTED:
             found.append(f"it leaves what bears it, by at most {mm(trace.metrics.lift_m or 0.0)}.")
-        found += filter(None, [position_error(trace)])
+        if scenario.action is not None:
+            found += filter(None, [position_error(trace)])
         said += [f"{name}: {text}" for text in found]
     return said
 
