@@ -48,6 +48,18 @@ def test_the_motion_is_the_same_to_the_last_bit_and_says_where_it_was_made(there
     assert there.routes == engine("mujoco").routes
 
 
+def test_what_runs_at_once_comes_across_with_its_errors_in_their_place() -> None:
+    class Together(type(registry.load(f"mujoco@{HERE}"))):  # type: ignore[misc]
+        batches = True
+
+    tasks = [short("joint", dt=1e-3), Task(decay(), "joint", "as-shipped", 0.5), short("law", dt=1e-3)]
+    first, failed, last = Together().simulate_all(tasks)
+    assert isinstance(failed, SimulationError)
+    for found, task in ((first, tasks[0]), (last, tasks[2])):
+        assert found.source.name == f"mujoco@4.0.0({Path(sys.prefix).name})"
+        assert np.array_equal(found.x, engine("mujoco").simulate(task).x)
+
+
 def test_errors_come_across_as_they_are(there: Engine) -> None:
     with pytest.raises(InputError, match="mujoco setting stickiness: unknown"):
         there.simulate(Task(decay(), settings={"stickiness": 1.0}))

@@ -6,7 +6,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
 from multiprocessing.connection import Connection
@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import harness.core
-from harness.core.errors import InputError, SimulationError
+from harness.core.errors import HarnessError, InputError, SimulationError
 from harness.core.trajectory import Trajectory
 from harness.engines.base import Engine, Preset, Route, Task
 from harness.engines.elsewhere.worker import START
@@ -107,6 +107,16 @@ class Elsewhere(Engine):
     def simulate(self, task: Task) -> Trajectory:
         """See Engine.simulate; also raises SimulationError when the process dies."""
         motion: Trajectory = self.worker.ask("simulate", task)
+        return self._labelled(motion)
+
+    def simulate_all(self, tasks: Sequence[Task]) -> list[Trajectory | HarnessError]:
+        """See Engine.simulate_all; an engine that runs one after the other is asked for one after the other."""
+        if not self.batches:
+            return super().simulate_all(tasks)
+        found: list[Trajectory | HarnessError] = self.worker.ask("simulate_all", list(tasks))
+        return [one if isinstance(one, HarnessError) else self._labelled(one) for one in found]
+
+    def _labelled(self, motion: Trajectory) -> Trajectory:
         return replace(motion, source=replace(motion.source, name=self.label))
 
 
@@ -132,9 +142,9 @@ def engine_in(python: str, where: str) -> Engine:
 @cache
 def _kind(program: str, where: str) -> Callable[[], Engine]:
     asked = worker(program, where)
-    name, version, routes, native, place = asked.ask("about")
-    about = {"name": name, "routes": routes, "native": native, "place": place}
-    kind: Callable[[], Engine] = type("Elsewhere", (Elsewhere,), about | {"worker": asked, "found": version})
+    name, version, about = asked.ask("about")
+    own = {"name": name, "worker": asked, "found": version}
+    kind: Callable[[], Engine] = type("Elsewhere", (Elsewhere,), about | own)
     return kind
 
 

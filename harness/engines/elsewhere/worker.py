@@ -1,8 +1,8 @@
 """The worker: one engine in this process, asked over standard input, answering on what was standard output.
 
-Requests are ("about",), ("presets", route, preset, dt) and ("simulate", task); answers ("done", value) or
-("failed", HarnessError). It needs numpy, scipy, numba, platformdirs, the engine's own packages and, for MuJoCo and
-PyBullet, lxml; everything of this package is read from the files of the process that started it.
+Requests are ("about",), ("presets", route, preset, dt), ("simulate", task) and ("simulate_all", tasks); answers
+("done", value) or ("failed", HarnessError). It needs numpy, scipy, numba, platformdirs, the engine's own packages and,
+for MuJoCo and PyBullet, lxml; everything of this package is read from the files of the process that started it.
 """
 
 import copyreg
@@ -72,6 +72,6 @@ def _made(where: str) -> Engine:
 
 def _answer(engine: Engine, what: str, *given: Any) -> Any:
     if what == "about":
-        place = Path(sys.prefix).name
-        return engine.name, engine.version(), engine.routes, engine.native, place
-    return engine.presets(*given) if what == "presets" else engine.simulate(*given)
+        about = {name: getattr(engine, name) for name in ("routes", "native", "calls", "batches")}
+        return engine.name, engine.version(), about | {"place": Path(sys.prefix).name}
+    return getattr(engine, what)(*given)
