@@ -329,14 +329,41 @@ def mesh_folder(root: Any) -> str:
 
 def _fixed(root: Any) -> list[str]:
     """Take out free and ball joints; one sentence for each that bears joints of its own."""
-    notes = []
+    notes, kinds = [], _joint_kinds(root)
     for joint in [one for one in root.iter("joint", "freejoint") if one.getparent().tag != "default"]:
-        if joint.tag == "freejoint" or joint.get("type") in ("free", "ball"):
+        if joint.tag == "freejoint" or _kind(joint, kinds) in ("free", "ball"):
             body = joint.getparent()
             body.remove(joint)
             if any(one.tag == "joint" for child in body.iter("body") for one in child):
                 notes.append(_HELD.format(body.get("name") or "without a name"))
     return notes
+
+
+def _joint_kinds(root: Any) -> dict[str, str]:
+    """Types of joints that defaults give, by their class."""
+    found: dict[str, str] = {}
+
+    def gather(default: Any, kind: str) -> None:
+        own = default.find("joint")
+        kind = kind if own is None else own.get("type") or kind
+        found[default.get("class") or _MAIN] = kind
+        for inner in default.findall("default"):
+            gather(inner, kind)
+
+    for default in root.findall("default"):
+        gather(default, found.get(_MAIN, "hinge"))
+    return found
+
+
+def _kind(joint: Any, kinds: Mapping[str, str]) -> str:
+    """The type of a joint: its own, or that of its class, which a body around it may give."""
+    around = (body.get("childclass") for body in joint.iterancestors())
+    of = joint.get("class") or next((name for name in around if name), _MAIN)
+    return joint.get("type") or kinds.get(of, "hinge")
+
+
+_MAIN = "main"
+"""The class of what names none."""
 
 
 def _without_shapes(body: Any, moving: bool, from_shapes: bool, needed: set[str]) -> None:

@@ -47,6 +47,15 @@ def test_a_floating_base_is_held_and_a_loose_body_is_left_out(tmp_path: Path, fr
     assert "trunk is held" in note
 
 
+def test_a_joint_whose_class_makes_it_a_ball_is_held(tmp_path: Path) -> None:
+    hinge, ball = f'<body><joint name="a" type="hinge"/>{LINK}', '<body childclass="socket"><joint/>'
+    defaults = '<default><default class="socket"><joint type="ball"/></default></default>'
+    arm = loaded(tmp_path, mjcf(f"{ball}{LINK}{hinge}</body></body>", defaults))
+    assert arm.joints == ("a",)
+    assert arm.model.nq == arm.model.nv == 1
+    assert any("is held" in note for note in arm.notes)
+
+
 def test_a_base_may_be_said_to_be_fixed_and_not_to_be_free(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     run_of = ["run", "--robot", str(FILE), "--joint", "elbow", "--engine", "mujoco", "--quiet"]
     assert run([*run_of, "--base", "fixed", "--out", str(tmp_path / "out")]) == 0
