@@ -41,12 +41,15 @@ _TRIES = 40
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """Of k joints: low, high, speed, torque (k,), rad or m, per s, N m or N. notes : what a model does not say."""
+    """Of k joints: low, high, speed, torque (k,), rad or m, per s, N m or N. home (k,) : about which a motion is made
+    narrow where torque asks for it. notes : what a model does not say.
+    """
 
     low: FloatArray
     high: FloatArray
     speed: FloatArray
     torque: FloatArray
+    home: FloatArray
     notes: tuple[str, ...] = ()
 
     @classmethod
@@ -78,7 +81,10 @@ class Limits:
                 if not torque and model.actuator_forcelimited[a] and model.actuator_trnid[a, 0] == i:
                     strongest = min(strongest, float(model.actuator_forcerange[a, 1] * abs(model.actuator_gear[a, 0])))
             found[:, k] = low, high, fastest, strongest if strongest > 0.0 else math.inf
-        return cls(found[0], found[1], found[2], found[3], tuple(notes))
+        home, moved = _home(arm, dofs, found[0], found[1], found[3])
+        if moved:
+            notes.append("gravity alone asks too much of the pose the model rests in: the motion is about another")
+        return cls(found[0], found[1], found[2], found[3], home, tuple(notes))
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,8 +117,7 @@ class Motion:
 
     def _of(self, k: int) -> tuple[float, float, float]:
         """Middle of a joint's way, half its length, and its speed, within the margin of its limits."""
-        low, high = float(self.limits.low[k]), float(self.limits.high[k])
-        home = float(np.clip(self.arm.model.qpos0[self.arm.index(self.joints[k])], low, high))
+        low, high, home = (float(of[k]) for of in (self.limits.low, self.limits.high, self.limits.home))
         middle = home + self.narrow * ((low + high) / 2.0 - home)
         size = _MARGIN * (self.size[k] if self.size else 1.0)
         return middle, self.narrow * size * (high - low) / 2.0, size * float(self.limits.speed[k]) / self.slow
@@ -136,7 +141,7 @@ class Motion:
             else:
                 found = replace(found, narrow=found.narrow * _SLOWER)
         over = [n for n, u, most in zip(self.joints, found.torque(), self.limits.torque, strict=True) if u > most]
-        accepted = "a larger --torque, or a model whose rest pose it holds, is accepted"
+        accepted = "--joints without them, or a larger --torque, is accepted"
         raise InputError(self.arm.file, f"gravity alone asks more of {', '.join(over)} than its limit", accepted)
 
     def errors(self, noise: FloatArray) -> FloatArray:
@@ -160,6 +165,24 @@ class Motion:
         values = np.linalg.svd(matrix[:, size > 0.0] / size[size > 0.0], compute_uv=False)
         seen = values[values > 1e-9 * values[0]]
         return float(seen[0] / seen[-1])
+
+
+def _home(
+    arm: Arm, dofs: Sequence[int], low: FloatArray, high: FloatArray, torque: FloatArray
+) -> tuple[FloatArray, bool]:
+    """The pose (k,) that the model rests in, or, where gravity asks too much there, that of many in which it asks the
+    least share of a limit; whether it is another."""
+    rest = np.clip(np.asarray(arm.model.qpos0, dtype=np.float64)[dofs], low, high)
+    poses = np.vstack((rest, np.random.default_rng(0).uniform(low, high, (_POSES, len(dofs)))))
+    q = np.tile(np.asarray(arm.model.qpos0, dtype=np.float64), (poses.shape[0], 1))
+    q[:, dofs] = poses
+    still = np.zeros_like(q)
+    share = np.max(np.abs(arm.inverse(q, still, still)[:, dofs]) / torque, axis=1)
+    best = int(np.argmin(share)) if share[0] > _MARGIN else 0
+    return poses[best], best > 0
+
+
+_POSES = 500
 
 
 def _bases(t: FloatArray, seconds: float, slow: float) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -58,9 +58,17 @@ def test_a_plan_tells_friction_better_than_random_motions(planned: Path) -> None
     assert result["better_than_drawn"] > 2.0
 
 
+def test_a_robot_that_cannot_hold_its_rest_pose_moves_about_another(planned: Path, tmp_path: Path) -> None:
+    result = plan(planned / "arm.xml", torque=2.0, seconds=4.0, speed=1.0, out=tmp_path / "out")
+    assert all(one.torque <= 2.0 for one in result.joints)
+    assert any("about another" in note for note in result.notes)
+
+
 def test_what_gravity_does_not_allow_and_what_is_too_short_is_refused(planned: Path, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="gravity alone asks more"):
-        plan(planned / "arm.xml", torque=0.5, seconds=4.0, out=tmp_path / "a")
+    level = tmp_path / "level.xml"
+    level.write_text(LIMITED.replace('range="-100 100"', 'range="-60 60"'))
+    with pytest.raises(InputError, match="gravity alone asks more of shoulder"):
+        plan(level, torque=0.5, seconds=4.0, out=tmp_path / "a")
     with pytest.raises(InputError, match="at least 4 s"):
         plan(planned / "arm.xml", seconds=2.0, out=tmp_path / "b")
     with pytest.raises(InputError, match="elbow"):
