@@ -10,7 +10,7 @@ import numpy as np
 from harness.core.errors import SimulationError
 from harness.diagnosis.fit.fitted_states import begun
 from harness.diagnosis.fit.model_fit import Fit, fit, whitened
-from harness.diagnosis.input_noise.propagation import as_it_shows, force_noise
+from harness.diagnosis.input_noise.propagation import as_it_shows, between, force_noise
 from harness.diagnosis.problems.driven import Driven
 from harness.diagnosis.problems.force_noise import FAR, ForceNoise
 from harness.diagnosis.problems.simulated import COARSE, observe
@@ -64,7 +64,9 @@ def traced(problem: Driven, found: Fit, scales: Scales) -> Driven:
     moved = isinstance(problem.starts, Windows)
     shown = observe(found.model, problem, (), scales) if moved else found.shown
     start = known.start[np.searchsorted(known.t, problem.t)]
-    force = force_noise(found.model, shown, problem.t, known.as_told(), problem.noise, start, held=problem.drive.held)
+    told, held = known.as_told(), problem.drive.held
+    unknown = problem.unknown * between(problem, told)
+    force = force_noise(found.model, shown, problem.t, told, problem.noise, start, held=held, between=unknown)
     force = None if force is None else as_it_shows(force, problem, shown)
     return replace(problem, force_noise=force if force is None else replace(force, beyond=known.beyond))
 

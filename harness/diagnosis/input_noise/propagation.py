@@ -25,6 +25,10 @@ _SHOWS = 0.01
 """Share of its sensors' variance that the force's noise adds somewhere, from which it is allowed for."""
 _LEVELS = (*(0.5**i for i in range(12)), 0.0)
 """Shares of a force's scatter that may be noise."""
+_BENT = 3
+"""Samples that tell how a force bends; as many neighbours share it."""
+_UNKNOWN = (1.0, 0.5, 0.25)
+"""Shares of that which may not be known: a quarter is what a smooth force departs from its line."""
 _SERIES = 5
 """Terms of the exponential of a step: the next is 1/720 at a step of one radian."""
 _PLACED, _PLACED_EXACTLY = 0.1, 1e-3
@@ -34,7 +38,7 @@ _REVERSAL, _STICK, _BREAK_AWAY = int(EventKind.REVERSAL), int(EventKind.STICK), 
 
 def force_noise(
     model: Model, shown: Observation, t: FloatArray, force: Noise, noise: Mapping[str, Noise],
-    start: FloatArray | None = None, *, held: bool = False,
+    start: FloatArray | None = None, *, held: bool = False, between: FloatArray | None = None,
 ) -> ForceNoise | None:  # fmt: skip
     """What the noise of a force does to a recording at t (n,), s, that ``model`` follows as shown; None if nothing.
 
@@ -42,7 +46,8 @@ def force_noise(
     position and speed where the motion is followed anew.
     """
     anew = np.zeros((t.size, 2)) if start is None else start
-    if not force.found and not np.any(anew):
+    unknown = np.zeros(t.size) if between is None else between
+    if not force.found and not np.any(anew) and not np.any(unknown):
         return None
     bend = np.cos(shown.x) if model.restoring is Restoring.PENDULUM else np.ones(t.size)
     pull, drag, push = model.k / model.m * bend, model.c / model.m, 1.0 / model.m
@@ -55,13 +60,32 @@ def force_noise(
     _moves(t, held, slips, pull, drag, push, events.t, events.kind, np.clip(share, 0.0, 1.0), moves)
     # what went before tells nothing of a new start
     moves[np.flatnonzero(np.any(anew[1:] > 0.0, axis=1))] = 0.0
-    found = ForceNoise(t, force, moves, pull, drag, push, slips, np.zeros((t.size, 4)), np.zeros((t.size, 2)))
-    if not (force.found and _shows(found, noise)):
+    found = ForceNoise(
+        t, force, moves, pull, drag, push, slips, np.zeros((t.size, 4)), np.zeros((t.size, 2)), between=unknown
+    )
+    if not ((force.found or np.any(unknown)) and _shows(found, noise)):
         if not np.any(anew):
             return None
         found = replace(found, noise=replace(force, sigma=0.0, found=False))
     placed = _PLACED if found.noise.found else _PLACED_EXACTLY
     return replace(found, start=anew, jumps=_jumps(t, events, placed))
+
+
+def between(problem: Problem, told: Noise) -> FloatArray:
+    """Standard deviation (n,), N, of what is not known of a force beside each sample, if that is how its samples bend.
+
+    What a controller does between two samples of a slow log no line between them tells. A force that is held is known.
+    told : the noise of the force, which bends them too.
+    """
+    t, drive = problem.t, problem.drive
+    if drive is None or drive.held or t.size < _BENT:
+        return np.zeros(t.size)
+    u = np.interp(t, drive.t, drive.u)
+    later = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
+    bend = u[1:-1] - (1.0 - later) * u[:-2] - later * u[2:]
+    square = np.zeros(t.size)
+    square[1:-1] = bend**2 - told.sigma**2 * (1.0 + later**2 + (1.0 - later) ** 2)
+    return np.sqrt(np.maximum(np.convolve(square, np.full(_BENT, 1.0 / _BENT), mode="same"), 0.0))
 
 
 def unlikely(found: Fit, problem: Problem) -> float:
@@ -96,6 +120,23 @@ def as_it_shows(force: ForceNoise, problem: Problem, shown: Observation) -> Forc
     off = [one.unlikely(problem.t, problem.noise, problem.weight, left) for one in levels]
     found = next(one for one, by in zip(levels, off, strict=True) if by <= min(off) + DECISIVE.value)
     return found if found.noise.found or np.any(found.start) else None
+
+
+def unknown_between(found: Fit, problem: Problem) -> float:
+    """Share of how a force bends that is not known of it between samples, as a fit tells; 0 where it is all known.
+
+    The largest that is not decidedly less likely than the best, where that all is known is so.
+    """
+    force = problem.force_noise
+    if force is None or not force.noise.found:
+        return 0.0
+    left, bends = left_of(problem, found.shown), between(problem, force.as_told())
+    off = {
+        share: replace(force, between=share * bends).unlikely(problem.t, problem.noise, problem.weight, left)
+        for share in (0.0, *_UNKNOWN)
+    }
+    best = min(off.values())
+    return next((share for share in _UNKNOWN if off[share] <= best + DECISIVE.value < off[0.0]), 0.0)
 
 
 def _shows(force: ForceNoise, noise: Mapping[str, Noise]) -> bool:

@@ -1,5 +1,6 @@
 """The steps of a driven recording that is followed in its channels, under the noise of its force."""
 
+import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -12,7 +13,7 @@ from harness.diagnosis.baseline.base_fit import driven_baseline
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.rmse import as_started, motion_followed, only_started
 from harness.diagnosis.input_noise.noisy_base_fit import along, in_turn
-from harness.diagnosis.input_noise.propagation import unlikely
+from harness.diagnosis.input_noise.propagation import unknown_between, unlikely
 from harness.diagnosis.inverse_dynamics.prepare import with_unseen_mass
 from harness.diagnosis.inverse_dynamics.search import by_the_force
 from harness.diagnosis.inverse_dynamics.validate import Judge
@@ -25,7 +26,7 @@ from harness.diagnosis.problems.driven import Driven
 from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import AMONG_NAMES, FOLLOWED, FORCE_HELD
 from harness.diagnosis.search.extend import Step, extend, settle
-from harness.diagnosis.search.search import Again, noise_of, once, search, under
+from harness.diagnosis.search.search import Again, Search, noise_of, once, search, under
 from harness.diagnosis.stages import Based, Found
 from harness.diagnosis.starts import Windows
 from harness.kernels.solve import Scales
@@ -33,6 +34,10 @@ from harness.model.model import Model
 
 _BY_FORCE = (
     "followed, the base model misses more than half of the motion and no law explains it: the force is fitted instead"
+)
+_UNKNOWN_BETWEEN = (
+    "the force is not known between its samples: it bends from one to the next, and what a controller does there is"
+    " allowed for (a log of more samples a second tells more)"
 )
 _NOT_FOLLOWED = "The base model cannot be followed, so that the force is fitted."
 _SAME = 0.01
@@ -77,6 +82,9 @@ class DrivenRecordings(Kind[Driven]):
         if felt is not None:
             (based, alone), notes = felt, [*notes, ALL_FELT]
         found = search(based.problem, based.fit, based.scales, renew, alone=alone)
+        unknown = self._unknown_between(found, based)
+        if unknown is not None:
+            (found, based), notes = unknown, [*notes, _UNKNOWN_BETWEEN]
         if not found.explained and _strays(found.base, found.problem):
             with suppress(SimulationError):
                 forces = FittedForces()
@@ -102,6 +110,24 @@ class DrivenRecordings(Kind[Driven]):
                     return quiet, alone
         return None
 
+    def _unknown_between(self, found: Search, based: Based[Driven]) -> tuple[Search, Based[Driven]] | None:
+        """The search with a force that is not known between its samples, where that is likelier; None where it is not.
+
+        What a controller does between the samples of a slow log looks like another law of friction, and a law that is
+        left out looks like such a force.
+        """
+        if not found.chosen.model.terms and found.explained:
+            return None
+        share = unknown_between(based.fit, based.problem)
+        if share == 0.0:
+            return None
+        with suppress(SimulationError):
+            again = self._followed(replace(based.whole, unknown=share, otherwise=()))
+            late = search(again.problem, again.fit, again.scales)
+            if _likely(late) < _likely(found):
+                return late, again
+        return None
+
     def _other_way(self, based: Based[Driven]) -> Based[Driven] | None:
         """With the force acting in the other way that lets the base model come nearest.
 
@@ -122,6 +148,13 @@ class DrivenRecordings(Kind[Driven]):
             return [as_started(model, problem, scales) for model in models]
         own, scales = driven_baseline(problem)
         return [only_started(model, problem, own.model, scales) for model in models]
+
+
+def _likely(found: Search) -> float:
+    """BIC of what a search has chosen under the noise it leaves, and each of its names one of many."""
+    best, problem = found.chosen, found.problem
+    names = AMONG_NAMES.value * len(best.model.terms)
+    return unlikely(best, problem) + len(best.free) * math.log(problem.points) + names
 
 
 def _strays(base: Fit, problem: Problem) -> bool:

@@ -14,7 +14,7 @@ from harness.diagnosis.baseline.residual_noise import residual_noise
 from harness.diagnosis.fit.fitted_states import begun
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.standard_errors import unit_of
-from harness.diagnosis.input_noise.propagation import force_noise, left_of, unlikely
+from harness.diagnosis.input_noise.propagation import between, force_noise, left_of, unlikely
 from harness.diagnosis.parameters import free_of
 from harness.diagnosis.prepare.held import held_driven, spring_beside
 from harness.diagnosis.prepare.intersample import ACTS_HELD, acting, between_samples
@@ -207,7 +207,9 @@ def _allowing(problem: Driven, model: Model, noise: Noise) -> Driven:
         for w in problem.starts.windows:
             starts[w.start] = _UNKNOWN * w.x_sd, _UNKNOWN * w.v_sd
     held = problem.drive.held
-    return replace(problem, force_noise=force_noise(model, shown, problem.t, noise, problem.noise, starts, held=held))
+    unknown = problem.unknown * between(problem, noise)
+    force = force_noise(model, shown, problem.t, noise, problem.noise, starts, held=held, between=unknown)
+    return replace(problem, force_noise=force)
 
 
 def _felt(problem: Driven, allowed: Driven, model: Model) -> bool:

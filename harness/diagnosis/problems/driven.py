@@ -21,11 +21,13 @@ class Forced(Problem):
 
     first : a rough base model with its start. The force gives the mass, and no hand lets go, so that a misfit tells of
     the model from the first sample on. guarded : where the force is fitted, what lies beside a reversal does not count.
+    unknown : share of how the force bends from sample to sample that is not known of it between them.
     """
 
     drive: Drive = field()
     first: Model
     guarded: bool = False
+    unknown: float = 0.0
     provides: ClassVar[frozenset[str]] = frozenset({"driven", "one-clock"})
 
     @property

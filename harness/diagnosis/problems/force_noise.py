@@ -88,6 +88,7 @@ _compiled_take_in = compiled(_take_in)
 def _innovations(
     moves: FloatArray,
     force: FloatArray,
+    phi: float,
     place: IntArray,
     seen: FloatArray,
     sensor: FloatArray,
@@ -100,8 +101,8 @@ def _innovations(
 ) -> None:
     """Innovations in units of their standard deviation, of y (k, n, q), into out; their variances (k, n).
 
-    moves (N - 1, 2, 4) : position and speed at the next instant by both, the force now and then. force (2,) : its
-    noise's standard deviation and lag-one correlation. place (n,) : the instants at which there are samples.
+    moves (N - 1, 2, 4) : position and speed at the next instant by both, the force now and then. force (N,) : its
+    noise's standard deviation, phi : and lag-one correlation. place (n,) : the instants at which there are samples.
     seen (k, n, 3) : what each sensor shows of the motion. sensor (k, 2) : noise and lag-one correlation. weight (k, n).
     jumps (k, n, 4) : by how much each sensor jumps at the event next to a sample, how far off that is, s, the
     acceleration before it, m/s^2, by which an uncertain speed moves the event, and how far it may lie off besides, s.
@@ -109,9 +110,9 @@ def _innovations(
     """
     k, n, q = y.shape
     size = MOTION + k
-    fresh = force[0] * math.sqrt(1.0 - force[1] ** 2)
+    new = math.sqrt(1.0 - phi**2)
     mean, p, ph, left = np.zeros((size, q)), np.zeros((size, size)), np.zeros(size), np.zeros(q)
-    p[2, 2] = force[0] ** 2
+    p[2, 2] = force[place[0]] ** 2
     for a in range(2):
         p[a, a] = start[place[0], a] ** 2
     for c in range(k):
@@ -119,7 +120,7 @@ def _innovations(
     for i in range(n):
         if i > 0:
             for at in range(place[i - 1], place[i]):
-                _compiled_move(moves[at], force[1], fresh, mean, p)
+                _compiled_move(moves[at], phi, new * force[at + 1], mean, p)
                 for a in range(2):
                     p[a, a] += start[at + 1, a] ** 2
             _compiled_colour(sensor, mean, p)
@@ -175,7 +176,8 @@ class ForceNoise:
     means, which show little of the force at an instant.
     told : the noise as the force's own samples tell it, of which the motion may show less.
     start (N, 2) : standard deviations of position and speed, m and m/s, where the motion is followed anew, 0 elsewhere.
-    beyond : chi-square that such noise may leave beyond first order.
+    beyond : chi-square that such noise may leave beyond first order. between (N,) : standard deviation, N, of what is
+    not known of the force beside each sample.
     """
 
     t: FloatArray
@@ -190,6 +192,7 @@ class ForceNoise:
     averaged: bool = False
     beyond: float = 0.0
     told: Noise | None = None
+    between: FloatArray | float = 0.0
 
     def as_told(self) -> Noise:
         """The noise as the force's own samples tell it."""
@@ -225,7 +228,7 @@ class ForceNoise:
         jumps = np.stack([self.jumps[place] if c == "a" else np.zeros((t.size, 4)) for c in values])
         out, variance = np.empty_like(y), np.empty(y.shape[:2])
         innovations(
-            self.moves, np.array([self.noise.sigma, self.noise.phi]), place, seen, sensor,
+            self.moves, np.hypot(self.noise.sigma, self.between), self.noise.phi, place, seen, sensor,
             np.stack([weight[c] for c in values]), jumps, self.start, y, out, variance,
         )  # fmt: skip
         shaped = {c: out[i].reshape(v.shape) for i, (c, v) in enumerate(values.items())}
