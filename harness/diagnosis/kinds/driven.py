@@ -118,7 +118,7 @@ class DrivenRecordings(Kind[Driven]):
         """
         if not found.chosen.model.terms and found.explained:
             return None
-        share = unknown_between(based.fit, based.problem)
+        share = unknown_between(found.chosen, found.problem)
         if share == 0.0:
             return None
         with suppress(SimulationError):
