@@ -84,7 +84,7 @@ def test_a_bob_on_a_rod_is_the_textbook_pendulum(tmp_path: Path) -> None:
     assert own.gravity == pytest.approx(2 * 9.81 * 0.5)
     assert own.q_eq == pytest.approx(0.4)
     assert "0.1 kg m^2 of its rotor" in own.sentence
-    assert "hangs at 0.4 rad" in own.sentence
+    assert "rest angle 0.4 rad" in own.sentence
 
 
 def test_gravity_brings_the_joint_back_to_where_it_is_said_to_hang() -> None:
