@@ -54,6 +54,7 @@ TOLERANCES: dict[str, Tolerance] = {
     "amplitude_m": Tolerance(1e-3, 1e-9, _LAST_BITS),
     "lift_m": Tolerance(5e-2, 1e-9, "a bouncing box forgets its last bits within a few bounces"),
     "normal_error": Tolerance(1e-1, 1e-9, "a bouncing box forgets its last bits within a few bounces"),
+    "deceleration_m_s2": Tolerance(1e-3, 1e-9, _LAST_BITS),
     "mu_v_over_g_s": Tolerance(1e-3, 1e-12, _LAST_BITS),
 }
 """By metric. Speed (steps_per_s, wall_s) is no metric: it is noise, and never gates."""

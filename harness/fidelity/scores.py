@@ -76,7 +76,9 @@ def cards(rows: Iterable[Row]) -> list[Card]:
         card = found.setdefault(key, Card(*key, row["dt_s"]))
         if row["preset"] == "tuned" and _nearer(row["dt_s"], card.dt_s):
             card = found[key] = Card(*key, row["dt_s"])
-        if row["dt_s"] != card.dt_s:
+        if card.dt_s is None:  # the first could not be run, and does not know the engine's own step
+            card.dt_s = row["dt_s"]
+        if row["dt_s"] not in (None, card.dt_s):
             continue
         if row["error"] is not None:
             card.errors.append(f"{row['scenario']}: {row['error']}")

@@ -189,7 +189,8 @@ def _figures(every: Sequence[Effort], name: Callable[[str, str], str]) -> list[b
             x, y = [f"{one.effort[0]}/{one.effort[1]}" for one in own], [of(one) for one in own]
             marks = ["star" if one.recommended else "circle" for one in own]
             marker = {"symbol": marks, "size": [13 if one.recommended else 7 for one in own]}
-            traces.append(plain(group, x, y, _COLORS[place % len(_COLORS)], mode="lines+markers", marker=marker))
+            line = {"color": _COLORS[place % len(_COLORS)], "dash": ("solid", "dot")[place // len(_COLORS) % 2]}
+            traces.append(plain(group, x, y, "ink", mode="lines+markers", marker=marker, line=line))
         layout = axes("iterations/ls_iterations", axis, margin={"l": 70, "r": 16, "t": 64, "b": 44})
         layout["xaxis"] |= {"type": "category", "categoryarray": [f"{first}/{last}" for first, last in order]}
         layout["yaxis"] |= {"type": "log", "exponentformat": "power", "dtick": 1}

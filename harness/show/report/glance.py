@@ -89,7 +89,7 @@ def glance_section(
         "engine",
         columns,
         found,
-        lambda line: engine_name(name(line.card.engine, line.card.version)),
+        lambda line: _named(line, name),
         lambda line: f"{line.card.version}, {line.card.preset.replace('-', ' ')}",
         lambda line: color(line.card.engine, line.card.version),
         caption=_CAPTION,
@@ -99,6 +99,12 @@ def glance_section(
     said = dict(_sentences(found, name))
     blocks: list[b.Block] = [b.Text(_headline(found), "verdict"), b.Legend(scale), table]
     return b.Section("Every engine at a glance", [*blocks, b.Facts(said, said=True)])
+
+
+def _named(line: Glance, name: Callable[[str, str], str]) -> str:
+    """As its makers write it, with the environment where there are two of an engine."""
+    engine = line.card.engine
+    return engine_name(engine) + name(engine, line.card.version).removeprefix(engine)
 
 
 def _cell(line: Glance, column: str) -> b.Cell | None:
@@ -133,4 +139,4 @@ def _sentences(found: Sequence[Glance], name: Callable[[str, str], str]) -> Iter
             effort, _, figure = label.partition(": ")
             said.append(f"with {effort} iterations by {_share(value)} ({figure})")
         text = "; ".join(said) or "no joint and no contact was run"
-        yield f"{engine_name(name(*key[:2]))} {key[1]}", f"{text[0].upper()}{text[1:]}."
+        yield f"{_named(next(iter(lines.values())), name)} {key[1]}", f"{text[0].upper()}{text[1:]}."
