@@ -85,7 +85,7 @@ def with_laws(result: DiagnosisResult, outcome: Outcome) -> tuple[DiagnosisResul
     """The result with its laws beside the recording, and the force that the base model leaves over."""
     problem, kind = outcome.problem, kind_of(outcome.problem)
     left = kind.left_over(problem, outcome.base, outcome.scales)
-    if not outcome.mechanisms:
+    if not outcome.mechanisms or outcome.verdict == "unexplained":
         return result, left
     after = kind.left_over(problem, outcome.refined, outcome.scales, left.wander)
     units = {"x": unit_of("m", problem), "v": unit_of("m/s", problem), "t": "s"}

@@ -73,8 +73,10 @@ def seen_laws(outcome: Outcome, left: ForceMap) -> tuple[SeenLaw, ...]:
 
 
 def _over(model: Model, entry: ModelTerm, motion: Mapping[str, FloatArray]) -> Over | None:
-    """What a term's force depends on; None where it is no function of the moment, or no force."""
+    """What a term's force depends on; None where it is no function of the moment, no force, or a table."""
     term = entry.term
+    if term.known is not None:
+        return None
     if term.slot in _BY_SPEED:
         return "v"
     if term.slot not in (Slot.SMOOTH, Slot.FRICTION_MODULATION):

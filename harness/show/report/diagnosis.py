@@ -23,7 +23,7 @@ from harness.show.numbers import NONE, SHOWN, number, quantity
 from harness.show.report.damping import damping_section
 from harness.show.report.diagnosis_figures import Curves, evidence, left, model_names, nameless, probabilities, shares
 from harness.show.report.identify import samples_of
-from harness.show.report.law import law_section
+from harness.show.report.law import law_section, statements
 from harness.show.report.page import made_with
 from harness.show.report.robot import fleet_sections, joint_beside
 from harness.show.report.run import settings_of
@@ -329,6 +329,7 @@ def _evidence(result: DiagnosisResult) -> b.Section:
     """How likely each name is, and what speaks for it."""
     blocks: list[b.Block] = [probabilities(result)] if len(result.posterior) > 1 else []
     if result.mechanisms:
+        blocks += [] if result.laws else [statements(result)]
         asked: list[tuple[str, Callable[[MechanismResult], b.Shown]]] = [
             ("grade", lambda one: _GRADES[one.grade]),
             ("probability", lambda one: number(one.probability, 2)),

@@ -23,8 +23,12 @@ _LEVEL = "level of dry friction"
 
 def law_section(result: DiagnosisResult) -> Section:
     """A plot for each thing that the laws depend on, and what each law says."""
-    said = [one.statement.replace("+-", "\u00b1") for one in result.mechanisms]
-    return Section("The law", [*(_figure(i, law, result) for i, law in enumerate(result.laws)), Items(said)])
+    return Section("The law", [*(_figure(i, law, result) for i, law in enumerate(result.laws)), statements(result)])
+
+
+def statements(result: DiagnosisResult) -> Items:
+    """What each law says."""
+    return Items([one.statement.replace("+-", "\u00b1") for one in result.mechanisms])
 
 
 def _figure(number: int, law: SeenLawResult, result: DiagnosisResult) -> Figure:
@@ -45,7 +49,7 @@ def _figure(number: int, law: SeenLawResult, result: DiagnosisResult) -> Figure:
         f"Points: {what} as the recording shows it, with two standard errors. Lines: the law that was found, and"
         " viscous and Coulomb friction alone."
     )
-    names = f"{over} / {per(unit)}", f"{label} / {per(law.force_unit)}"
+    names = f"{over} / {per(unit)}", f"{label} / {per(law.force_unit.replace('^2', '²'))}"
     return Figure(
         f"law-{number}", [*lines, points], axes(*names, showlegend=True, hovermode="closest"), caption, "", 380
     )
