@@ -9,9 +9,9 @@ import sys
 import tempfile
 from pathlib import Path
 
-from harness.show.files import replacing
 from PIL import Image
 
+from harness.core.writing import replacing
 from harness.show.screenshot import take
 
 MOMENT = 1.2

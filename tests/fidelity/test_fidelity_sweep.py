@@ -35,7 +35,8 @@ from harness.fidelity.row import run_rows
 from harness.results.generate import schema_text
 from harness.results.sweep import SweepResult, SweepRow
 
-SMALL = SweepOptions(("mujoco", "pybullet"), ("joint",), (), (2e-3,), jobs=2)
+PRESETS = ("as-shipped", "noslip", "stiff", "tuned", "undamped")
+SMALL = SweepOptions(("mujoco", "pybullet"), ("joint",), PRESETS, (2e-3,), jobs=2)
 """Every setting of the joint route at one step, what ships at its own step too."""
 
 
@@ -119,7 +120,9 @@ def test_a_program_gets_rows_and_page_and_no_folder() -> None:
 
 def test_nothing_is_computed_again(swept: room.Sweep) -> None:
     before = physics(rows_of(swept.folder))
-    again = sweep(SweepOptions(SMALL.engines, SMALL.routes, (), SMALL.steps, jobs=1, resume=True), swept.folder)
+    again = sweep(
+        SweepOptions(SMALL.engines, SMALL.routes, SMALL.presets, SMALL.steps, jobs=1, resume=True), swept.folder
+    )
     assert again.computed == 0
     assert physics(rows_of(swept.folder)) == before
 
@@ -135,7 +138,7 @@ def test_a_damaged_part_is_set_aside_and_only_its_rows_are_computed_again(swept:
     middle = len(content) // 3
     content[middle : middle + 40] = bytes(40)
     damaged.write_bytes(bytes(content))
-    again = sweep(SweepOptions(SMALL.engines, SMALL.routes, (), SMALL.steps, jobs=1, resume=True), folder)
+    again = sweep(SweepOptions(SMALL.engines, SMALL.routes, SMALL.presets, SMALL.steps, jobs=1, resume=True), folder)
     assert again.computed == 50
     assert again.notes == (
         "rows/part-000001.parquet was damaged and set aside as part-000001.parquet.damaged;"
@@ -148,7 +151,8 @@ def test_a_damaged_part_is_set_aside_and_only_its_rows_are_computed_again(swept:
 def test_a_stopped_sweep_goes_on_to_the_same_rows(how: signal.Signals, swept: room.Sweep, tmp_path: Path) -> None:
     """By the command, which says how to go on where it can."""
     folder = tmp_path / "out"
-    line = f"sweep --engine mujoco --route joint --dt 0.002 --jobs 1 --quiet --out {folder}"
+    presets = " ".join(f"--preset {name}" for name in PRESETS if name != "undamped")
+    line = f"sweep --engine mujoco --route joint {presets} --dt 0.002 --jobs 1 --quiet --out {folder}"
     code, out, said = stopped(line.split(), tmp_path, "out/rows/part-*.parquet", how)
     alone = physics([row for row in swept.rows() if row["engine"] == "mujoco"])
     kept = rows_of(folder)
@@ -294,7 +298,7 @@ def test_a_lost_scheduler_leaves_a_folder_to_resume(
         if done == 10:
             processes[0].kill()
 
-    options = SweepOptions(SMALL.engines, SMALL.routes, (), SMALL.steps, cluster=address)
+    options = SweepOptions(SMALL.engines, SMALL.routes, SMALL.presets, SMALL.steps, cluster=address)
     with pytest.raises(HarnessError, match=r"connection to the scheduler is lost; \d+ of \d+ rows are kept"):
         sweep(options, tmp_path / "out", kill_scheduler, function=sweep_deaths.slow)
     assert len(rows_of(tmp_path / "out")) >= 10
