@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import harness
 from harness.core.errors import InputError
 from harness.robot.arm import load_arm
 from harness.robot.paste import JointPaste, copies
@@ -90,3 +91,21 @@ def test_what_urdf_cannot_say_is_refused_with_what_can(tmp_path: Path) -> None:
         file.write_text(bad)
         with pytest.raises(InputError, match=said):
             load_arm(file)
+
+
+def test_friction_of_its_joint_is_diagnosed_and_divided(tmp_path: Path) -> None:
+    file = tmp_path / "two.sdf"
+    file.write_text(TWO.format(version="1.7", expressed=""))
+    t, w = np.arange(2000) / 200.0, 2.0 * np.pi * np.array([[0.13], [0.41]])
+    size = np.array([[0.8], [0.3]])
+    q, v, a = (
+        np.sum(y, axis=0) for y in (size * np.sin(w * t), size * w * np.cos(w * t), -size * w**2 * np.sin(w * t))
+    )
+    torque = load_arm(file).inverse(q[:, None], v[:, None], a[:, None])[:, 0] + 0.5 * np.sign(v) + 0.2 * v
+    torque += 0.003 * np.random.default_rng(0).standard_normal(t.size)
+    rows = np.column_stack((t, q, torque))
+    np.savetxt(tmp_path / "log.csv", rows, delimiter=",", header="t,shoulder.position,shoulder.effort", comments="")
+    result = harness.diagnose_joint(tmp_path / "log.csv", file, engines=["mujoco"])
+    assert result.baseline.parameters["f_k"].value == pytest.approx(0.5, rel=0.01)
+    assert result.attribution is not None
+    assert result.attribution.missing_physics == pytest.approx(0.0, abs=0.05)

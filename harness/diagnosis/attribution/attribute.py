@@ -264,7 +264,7 @@ def _played(
     scales: Scales,
     joined: bool = False,
 ) -> Attribution:
-    user = _user(configured, refined)
+    user, problem = _user(configured, refined), problem.followed
 
     @cache
     def left(put: frozenset[str]) -> float:
