@@ -121,7 +121,7 @@ noise of x 10 um
 chi-square per point 5039 with viscous and Coulomb friction alone
 quadratic-drag
 missing_physics, by the rules among-names, structure-named
-The simulation leaves out quadratic drag: A drag grows with the square of the speed: c2 = 2.0002 +- 0.0011 kg/m per kg.
+Missing physics: quadratic drag. A drag grows with the square of the speed: c2 = 2.0002 +- 0.0011 kg/m per kg.
 ```
 """
 
