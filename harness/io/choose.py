@@ -76,7 +76,8 @@ def _commanded(table: Table, mappings: dict[str, Mapping]) -> list[str]:
 def _others(table: Table, options: ReadOptions) -> list[dict[str, Any]]:
     """Choices of columns to try, with a rate to be given where no column is a time."""
     run, timed = (options.run or 1) - 1, options.rate is None
-    for rate, runs in ((options.rate, runs_of(table, timed)), (UNSAID, runs_of(table, False) if timed else [])):
+    told = table.said_rate or UNSAID
+    for rate, runs in ((options.rate, runs_of(table, timed)), (told, runs_of(table, False) if timed else [])):
         if run < len(runs) and runs[run]:
             said = {} if rate is None else {"rate": rate}
             return [{"columns": one.columns, "run": None, **said} for one in runs[run][:_MOST_CHOICES]]

@@ -25,7 +25,8 @@ class Table(ABC):
     units : unit text of columns whose header carries one, by position. headers : as they stand in the file.
     dated : of columns read that are dates or times of day, by position: the first, from which they are counted in s.
     mended : what was left out of the file so that it could be read, one sentence each. rate : Hz, where the file says
-    its step and holds no times. own : whether columns called x, v, a are what this program calls so.
+    its step and holds no times; said_rate : where a line above the numbers says it. own : whether columns called x, v,
+    a are what this program calls so.
     """
 
     def __init__(
@@ -36,6 +37,7 @@ class Table(ABC):
         self.dated: dict[int, str] = {}
         self.mended: list[str] = []
         self.rate: float | None = None
+        self.said_rate: float | None = None
         self.own = True
         self._kept: dict[int, FloatArray] = {}
 

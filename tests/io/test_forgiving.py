@@ -98,7 +98,7 @@ def test_the_columns_that_a_guess_prints_give_the_same_recording(
 
 def pasted(text: str) -> ReadOptions:
     """The options in a message, as a shell hands them on."""
-    given = re.search(r'--columns "[^"]*"(?: --rate \S+)?', text)
+    given = re.search(r'--columns "[^"]*"(?: --rate [^\s,]+)?', text)
     assert given is not None, text
     words = shlex.split(given[0].replace("HZ", "200"))
     return ReadOptions(columns=words[1], rate=float(words[3]) if len(words) > 2 else None)
@@ -151,6 +151,19 @@ def test_times_alone_are_one_for_each_turn_when_somebody_says_so(tmp_path: Path,
     np.testing.assert_allclose(found.t, stamps * 1e-6, rtol=1e-12)
     np.testing.assert_allclose(np.diff(found["x"]), 2.0 * np.pi, rtol=1e-12)
     assert found.angular
+
+
+@pytest.mark.parametrize("above", ["# sample rate: 200 Hz", "Sampling frequency;0.2 kHz", "# Abtastrate = 200 Hz"])
+def test_a_rate_above_the_numbers_is_the_one_to_paste(tmp_path: Path, above: str) -> None:
+    rows = "\n".join(f"{1e3 * x:.9g}" for x in X)
+    path = tmp_path / "laser.csv"
+    path.write_text(f"{above}\nposition_mm\n{rows}\n", encoding="utf-8")
+    with pytest.raises(InputError) as refused:
+        read_recording(path)
+    assert "--rate 200" in str(refused.value)
+    found = read_recording(path, pasted(str(refused.value)))
+    np.testing.assert_allclose(found.t, np.arange(T.size) / 200.0, rtol=1e-12)
+    np.testing.assert_allclose(found["x"], X, rtol=1e-8)
 
 
 def plain(path: Path) -> Path:

@@ -14,7 +14,7 @@ from harness.core.arrays import FloatArray
 from harness.core.bounded import read_bytes, unpacked
 from harness.core.errors import InputError
 from harness.io.columns import meaning, word_of
-from harness.io.layout import Head, separator_of
+from harness.io.layout import Head, rate_of, separator_of
 from harness.io.reader import Reader
 from harness.io.table import Table
 from harness.io.times import Clock
@@ -35,6 +35,12 @@ _MOST_ODD = 0.05
 _MOST_BELOW = 5
 """Lines that may stand below the rows."""
 _COMMENT = ("#", "%")
+_RATE = re.compile(
+    r"(?:sampl\w{0,6}|abtast|scan|data|update|frame)[ _-]?(?:rate|freq\w{0,6}|hz)?\s?[:=;,\t ]\s{0,9}"
+    r"(?P<rate>\d[\d.,]{0,12})\s?(?P<unit>k?hz|sps|s/s|fps)\b",
+    re.IGNORECASE,
+)
+"""A line above the numbers that says how many samples there are a second."""
 _BRACKETS = re.compile(r"^[\[(]\s*([^\[\]()]*?)\s*[\])]$")
 _FORTRAN = re.compile(r"^([+-]?\d*\.?\d+|[+-]?\d+\.)[dD]([+-]?\d{1,3})$")
 _WITHOUT = "na n/a null none nil --- overload overflow ovld ovf #n/a #num! #value! \N{INFINITY} -\N{INFINITY}"
@@ -270,6 +276,10 @@ class TextTable(Table):
         self.mended += [passed] if passed else []
         if head is not None:
             self.rate, self.own = head.rate, head.own
+        said = _RATE.search(_decode(bytes(self._data[: min(self._layout.offset, _HEAD)])))
+        number = rate_of(said["rate"]) if said else None
+        if said and number:
+            self.said_rate = number * (1e3 if said["unit"].lower() == "khz" else 1.0)
 
     def read(self, positions: Sequence[int]) -> list[FloatArray]:
         """See Table."""
