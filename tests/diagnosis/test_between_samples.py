@@ -281,7 +281,7 @@ def test_a_held_force_moves_a_slider_as_constant_forces_do_one_after_another() -
         assert found.dx[:, q] == pytest.approx(change / (2.0 * d * size), abs=1e-6)
 
 
-@pytest.mark.parametrize("is_held", [False, True])
+@pytest.mark.parametrize("is_held", [pytest.param(False, marks=pytest.mark.full), True])
 def test_a_force_that_is_left_out_does_not_decide_how_the_drive_acts(is_held: bool) -> None:
     problem = stages.prepare(_pushed(is_held), restoring="none").problem
     assert isinstance(problem, Driven)

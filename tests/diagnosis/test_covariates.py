@@ -263,7 +263,7 @@ def test_partials_are_those_of_the_motion(acts: Acts) -> None:
         assert seen.dy["x"][:, i] == pytest.approx(difference, abs=2e-3 * float(np.max(np.abs(difference))))
 
 
-@pytest.mark.parametrize("acts", list(Acts))
+@pytest.mark.parametrize("acts", [pytest.param(Acts.FORCE, marks=pytest.mark.full), Acts.FRICTION, Acts.DAMPING])
 def test_the_way_in_is_chosen_and_its_gain_recovered_within_three_standard_errors(acts: Acts) -> None:
     found = fit_base(prepare(decay(acts), asked())[0])
     (chosen,) = found.fit.model.covariates

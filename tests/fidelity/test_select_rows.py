@@ -167,6 +167,7 @@ def test_the_workflow_to_copy_is_one() -> None:
     assert job["steps"][-1]["if"] == "always()"
 
 
+@pytest.mark.full
 def test_the_workflow_runs_but_for_its_installation(tmp_path: Path) -> None:
     """Each step as the runner does it: bash, in the folder of the checkout."""
     (job,) = workflow()["jobs"].values()
