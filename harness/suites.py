@@ -28,6 +28,14 @@ def kept(out: File | None, name: str, computed: Callable[[Path], R]) -> R:
         return computed(Path(place) / name).model_copy(update={"files": {}})
 
 
+Patterns: TypeAlias = Sequence[str] | None
+
+
+def _patterns(only: Patterns, skip: Patterns, xfail: Patterns = None) -> dict[str, Any]:
+    """Patterns of rows, as options take them."""
+    return {name: tuple(given or ()) for name, given in (("only", only), ("skip", skip), ("xfail", xfail))}
+
+
 def run(
     scenario: str | None = None,
     *,
@@ -136,8 +144,7 @@ def sweep(
         sliders,
         jobs,
         keep=keep or 0,
-        only=tuple(only or ()),
-        skip=tuple(skip or ()),
+        **_patterns(only, skip),
     )
 
     def all_of_it(folder: Path) -> SweepResult:
@@ -171,7 +178,7 @@ def regress(
     from harness.app.sweep import regress as room
     from harness.app.sweep.sweep import SweepOptions
 
-    patterns: dict[str, Any] = {"only": tuple(only or ()), "skip": tuple(skip or ()), "xfail": tuple(xfail or ())}
+    patterns = _patterns(only, skip, xfail)
     options = SweepOptions(tuple(engines or ()), tuple(routes or ()), short=short, jobs=jobs, **patterns)
     if traces is not None and not update:
         return room.compared_traces(Path(traces), None if baseline is None else Path(baseline), options.rows)
@@ -205,8 +212,7 @@ def diff(
     from harness.app.sweep.diff import diff as computed
     from harness.app.sweep.sweep import SweepOptions
 
-    patterns: dict[str, Any] = {"only": tuple(only or ()), "skip": tuple(skip or ()), "xfail": tuple(xfail or ())}
-    options = SweepOptions((), tuple(routes or ()), short=short, jobs=jobs, **patterns)
+    options = SweepOptions((), tuple(routes or ()), short=short, jobs=jobs, **_patterns(only, skip, xfail))
     held = None if baseline is None else Path(baseline)
     return kept(out, "diff", lambda folder: computed(str(a), str(b), options, held, folder))
 

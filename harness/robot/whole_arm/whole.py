@@ -78,6 +78,9 @@ _SAID = {
     ARMATURE: "The inertia about the joint's axis is off by {0}",
 }
 
+_SEEN = 2.0
+"""Standard errors from which a number is said; several below it may show together that something is off."""
+
 
 def whole_arm(
     log: JointLog,
@@ -154,6 +157,9 @@ class _Told:
                     apart = f"Torque and position are {abs(delay.value or 0.0):.2g} s apart"
                     notes.append(f"{apart}, less than a sample: allowed for.")
                     continue
+            if not any(abs(one.value or 0.0) >= _SEEN * (one.stderr or 0.0) for _, one in error.parameters):
+                notes.append(f"{error.name} is allowed for: none of its numbers is beyond two standard errors.")
+                continue
             errors.append(error)
         return WholeArm(
             tuple(found[name] for name in self.arm.joints if name in found),
