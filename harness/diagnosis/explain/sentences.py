@@ -68,11 +68,15 @@ def sentence_of(outcome: Outcome, has: Sequence[str] = ()) -> str:
 def _one_of(outcome: Outcome, words: Sequence[str], share: str) -> str:
     """Names that a recording cannot distinguish."""
     it, its = _SEVERAL if outcome.problem.alone else _ONE
-    names = f"{', '.join(words[:-1])} or {words[-1]}; {it} cannot distinguish them"
+    either = f"{', '.join(words[:-1])} or {words[-1]}"
+    names = f"{either}; {it} cannot distinguish them"
     if outcome.remainder is not None:
         likely = [m.probability for m in outcome.mechanisms if m.grade is Grade.ONE_OF and m.probability is not None]
         p = f" (together P {min(sum(likely), _SURE):.2f})" if likely else ""
-        return f"Dominant effect missing{p}: {names}. {_capital(words[0])} explains {share} of the misfit."
+        first = f"{words[0]} explains {share} of the misfit."
+        if likely and sum(likely) < MOST_LIKELY.value:
+            return f"Physics is missing, probably no single effect of the catalogue. Nearest{p}: {either}; {first}"
+        return f"Dominant effect missing{p}: {names}. {_capital(first)}"
     others = "the other does" if len(words) == 2 else "the others do"
     return f"Missing physics: {names}. {_capital(words[0])} explains {it} to {its} noise, {others} nearly as well."
 
