@@ -7,8 +7,9 @@ whole (recordings against which nothing is to be said), faster (a simulation who
 misfit (identify of a hidden law), undamped (identify of nearly no damping), layouts (files of loggers), goals (a
 commanded position in one), still (an axis at rest most of the time, slowly and irregularly sampled), wrapped (an angle
 within a turn), loads (an arm that carries a load unsaid), motions (of ten kinds), run-downs (an effect hidden in one),
-run-down-controls (none), curves (tables of speed and force), slips (a robot's joint that sticks), pastes (what is
-pasted of one that swings), and files of engines by name (cap-rk4 and others: a joint of a file as it is).
+run-down-controls (none), run-downs-both-ways (a push, or none), curves (tables of speed and force), slips (a robot's
+joint that sticks), pastes (what is pasted of one that swings), and files of engines by name (cap-rk4 and others: a
+joint of a file as it is).
 """
 
 import argparse
@@ -58,6 +59,7 @@ KINDS: dict[str, Draw] = {
     "curves": curves.answer,
     "run-downs": run_downs.named,
     "run-down-controls": run_downs.controls,
+    "run-downs-both-ways": run_downs.both_ways,
     "slips": robot_joints.slips,
     "pastes": robot_joints.pastes,
     **{kind: partial(engine_cases.answer, kind=kind) for kind in engine_cases.KINDS},

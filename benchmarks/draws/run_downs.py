@@ -5,7 +5,7 @@ trades write them: torque over inertia, rolling and drag of a car, a groove's fr
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -163,9 +163,27 @@ def off_by(found: DiagnosisResult, one: Drawn) -> dict[str, float]:
     }
 
 
-def _answer(one: Drawn) -> Answer:
+def both_ways(seed: int, number: int) -> Answer:
+    """Right where a push is told from dry friction by run-downs in two directions; of every second there is none."""
+    r = np.random.default_rng([seed, number, 2])
+    machine, seconds = str(r.choice(MACHINES)), r.uniform(5.0, 40.0)
+    v0, share, wet = r.uniform(5.0, 40.0), r.uniform(0.1, 0.6) * (number % 2), r.uniform(0.2, 0.75)
+    f, c = (1.0 - wet) * v0 / seconds, wet / seconds
+    push = share * f * r.choice([-1.0, 1.0])
+    whole = Drawn(_NOTHING, "constant-force" if share else "", machine, {"c": c, "f_k": f, "force": push})
+    parts = []
+    for side, begun in ((1.0, v0), (-1.0, v0 * r.uniform(0.6, 1.0))):
+        t, x, v, end = _run(lambda x, v: f + c * v - side * push, begun, 4.0 * seconds, seconds / 400.0)  # noqa: B023
+        parts.append(_sensed(r, replace(whole, stop=end), t, x, v).recording)
+    told = [replace(parts[0], file="there.csv"), replace(parts[1].turned(), file="back.csv")]
+    # one sensor reads both
+    common = {"x", "v"} & set(told[0].channels) & set(told[1].channels)
+    return _answer(whole, told) if common else both_ways(seed, number + 10_000)
+
+
+def _answer(one: Drawn, of: Sequence[Recording] = ()) -> Answer:
     try:
-        found = harness.diagnose(one.recording, engines=())
+        found = harness.diagnose(of or one.recording, engines=())
     except HarnessError as error:
         return Answer(False, f"{one.machine} {one.effect}: {error}")
     names = [m.name for m in found.mechanisms]

@@ -1,7 +1,7 @@
 """A recording: channels as somebody measured them, already in SI units."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -109,6 +109,11 @@ class Recording:
     def rate(self) -> float:
         """Median sampling rate, Hz."""
         return 1.0 / self.interval
+
+    def turned(self) -> "Recording":
+        """The same seen from the other side: every channel with the other sign."""
+        channels = {c: -y for c, y in self.channels.items()}
+        return replace(self, channels=channels, notes=(*self.notes, "its signs are turned, as it went the other way"))
 
     def cut(self, keep: slice | BoolArray) -> "Recording":
         """The same recording restricted to a slice or a choice (n,) of its samples."""

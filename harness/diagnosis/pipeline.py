@@ -38,7 +38,7 @@ from harness.diagnosis.outcome import Grade, Holdout, Outcome, Tried
 from harness.diagnosis.prepare.curve import curve_problem
 from harness.diagnosis.prepare.driven import driven_problem, is_driven
 from harness.diagnosis.prepare.free_decay import free_decay_problem, together
-from harness.diagnosis.prepare.run_down import run_down_problem
+from harness.diagnosis.prepare.run_down import run_down_problem, run_downs_together, runs_down
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.request import Asked
@@ -110,12 +110,11 @@ def prepare_together(recordings: Sequence[Recording], asked: Asked) -> tuple[Pro
     if tables:
         found = f"{tables[0]} is a table of speeds and forces without a time"
         raise InputError("--together", found, "recordings of a motion are accepted")
-    falling = [one.file for one in recordings if classify(one, asked.restoring).kind is MotionKind.RUN_DOWN]
-    if falling:
-        accepted = "swings and driven recordings are accepted; --before A --after B compares run-downs"
-        raise InputError("--together", f"{falling[0]} runs down", accepted)
-    driven = recordings and all(is_driven(one) for one in recordings)
-    return forces_together(recordings, asked) if driven else together(recordings, asked)
+    if recordings and all(is_driven(one) for one in recordings):
+        return forces_together(recordings, asked)
+    if any(not is_driven(one) and runs_down(one, asked.restoring) for one in recordings):
+        return run_downs_together(recordings, asked)
+    return together(recordings, asked)
 
 
 def fit_base(problem: Problem) -> Based[Any]:

@@ -168,9 +168,14 @@ class Problem(ABC):
     @property
     def base_names(self) -> tuple[str, ...]:
         """Base parameters that are fitted."""
-        spring = () if self.restoring is Restoring.NONE else ("k",)
-        zero = ("offset",) if self.zero_free and spring and "x" in self.channels else ()
-        return (*self.mass_names, "c", *spring, "f_k", *zero, *self.starts.names)
+        physics = self.physics
+        zero = ("offset",) if self.zero_free and "k" in physics and "x" in self.channels else ()
+        return (*self.mass_names, *physics, *zero, *self.starts.names)
+
+    @property
+    def physics(self) -> tuple[str, ...]:
+        """What slows it and pulls it back, which recordings of one machine share."""
+        return tuple(name for name in ("c", "k", "f_k") if name != "k" or self.restoring is not Restoring.NONE)
 
     @property
     def mass_names(self) -> tuple[str, ...]:

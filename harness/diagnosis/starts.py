@@ -233,8 +233,8 @@ class Several:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Position and speed of each."""
-        return tuple(named(stem, r) for r in range(len(self.stretches)) for stem in ("x0", "v0"))
+        """Those of each."""
+        return tuple(named(stem, r) for r, s in enumerate(self.stretches) for stem in s.starts.names)
 
     @property
     def taken(self) -> int:

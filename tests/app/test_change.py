@@ -136,11 +136,6 @@ def test_curves_of_two_conditions() -> None:
     assert [one.name for one in found.numbers] == ["c", "f_k"]
 
 
-def test_run_downs_are_compared_and_not_laid_together() -> None:
-    with pytest.raises(InputError, match="--before A --after B"):
-        harness.diagnose([coast(1, 0.8, 0.05), coast(2, 0.8, 0.05)], engines=())
-
-
 def test_a_decay_and_a_run_down_are_not_one_kind() -> None:
     with pytest.raises(InputError, match="one kind"):
         harness.change([decay(1)], [coast(2, 0.8, 0.05)])

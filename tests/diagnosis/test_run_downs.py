@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 import harness
+from harness.app.diagnose.many import diagnose_together
+from harness.app.diagnose.options import DiagnoseOptions
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
@@ -104,14 +106,10 @@ def test_dry_and_viscous_friction_are_identified_together(channels: str) -> None
     holds(found.baseline.parameters["f_k"], 1.5)
 
 
-def test_what_no_run_down_parts_is_said() -> None:
+def test_what_no_run_down_parts_is_said_and_a_part_held_out_is_predicted() -> None:
     found = harness.diagnose(told(T, x=viscous(T, 25.0, 0.2, 1.5)[0]), engines=())
     assert any("one direction" in line and "grade" in line for line in found.recording.notes)
     assert any("ratios" in line for line in found.recording.notes)
-
-
-def test_a_part_that_is_held_out_is_predicted() -> None:
-    found = harness.diagnose(told(T, x=viscous(T, 25.0, 0.2, 1.5)[0]), engines=())
     assert found.holdout.baseline_rmse["x"] < 2.0 * NOISE
 
 
@@ -135,3 +133,30 @@ def test_the_command_leaves_page_trace_and_models(tmp_path: Path) -> None:
     harness.diagnose(told(T, x=viscous(T, 25.0, 0.2, 1.5)[0]), out=tmp_path / "left")
     for file in ("report.html", "trace.rrd", "model/model.json"):
         assert (tmp_path / "left" / file).stat().st_size > 0
+
+
+def test_two_directions_part_a_push_from_dry_friction(tmp_path: Path) -> None:
+    """A car coasts up a grade and down again; its speed has no sign, so that one file is said to go the other way."""
+    for name, v0, slows in (("up.csv", 20.0, 1.9), ("down.csv", 15.0, 1.1)):
+        rows = np.column_stack((T, told(T, v=viscous(T, v0, 0.2, slows)[1])["v"]))
+        np.savetxt(tmp_path / name, rows, delimiter=",", header="t [s],v [m/s]", comments="")
+    options = DiagnoseOptions(engines=())
+    files = [(tmp_path / name, name) for name in ("up.csv", "down.csv")]
+    found = diagnose_together(files, options, tmp_path / "both", turned=["down.csv"])
+    assert [m.name for m in found.mechanisms] == ["constant-force"]
+    holds(found.mechanisms[0].parameters["force"], -0.4)
+    holds(found.refined.parameters["f_k"], 1.5)
+    holds(found.refined.parameters["c"], 0.2)
+    assert found.together is not None
+    holds(found.together["f_k"].value, 1.5)
+
+
+def test_run_downs_of_one_direction_share_their_friction_and_say_what_that_holds() -> None:
+    each = [told(T, v=viscous(T, v0, 0.2, 1.5)[1]) for v0 in (25.0, 12.0)]
+    found = harness.diagnose(each, engines=())
+    assert found.verdict == "adequate"
+    holds(found.baseline.parameters["f_k"], 1.5)
+    assert any("one direction" in line and "grade" in line for line in found.recording.notes)
+    swing = Recording(T, {"v": np.exp(-0.1 * T) * np.cos(4.0 * T)}, file="swing.csv", angular=True)
+    with pytest.raises(InputError, match=r"swing\.csv"):
+        harness.diagnose([each[0], swing])

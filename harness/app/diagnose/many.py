@@ -108,16 +108,25 @@ def diagnose_together(
     out: Path | None = None,
     progress: Progress = SILENT,
     command: str = "",
+    turned: Sequence[str] = (),
 ) -> DiagnosisResult:
     """Diagnose files as recordings of one machine, and leave in a folder what one recording leaves.
 
-    named : path and label of each. Raises InputError, SimulationError, StoreError.
+    named : path and label of each. turned : labels, or names, of files that went the other way and say no sign. Raises
+    InputError, SimulationError, StoreError.
     """
+    names = {name for _, label in named for name in (label, Path(label).name)}
+    if unknown := [one for one in turned if one not in names]:
+        accepted = f"{', '.join(Path(label).name for _, label in named)} are accepted"
+        raise InputError("--flip", f"{unknown[0]}, which is none of the recordings", accepted)
     if options.servo is not None:
         return _servo(named, options, out, progress, command)
     progress("reading", 0, STEPS)
-    runs = (read_runs(label, path, options.reading, options.trace) for path, label in named)
-    recordings = [one for each in runs for run in each for one in decays_of(run, classify(run, options.restoring))]
+    recordings = []
+    for path, label in named:
+        for run in read_runs(label, path, options.reading, options.trace):
+            parts = decays_of(run, classify(run, options.restoring))
+            recordings += [one.turned() for one in parts] if {label, path.name} & {*turned} else parts
     return deliver(recordings, options, out, "together", progress, command)
 
 

@@ -68,7 +68,11 @@ STANDARD_INPUT = "-"
     click.option(
         "--names", metavar="MAP", help='Of the log\'s joints the model\'s: "a=b,..", "a_joint{i}=b_joint{i}", "*=*"'
     ),
-    click.option("--flip", metavar="NAME,..", help="Joints that turn the other way than in the model."),
+    click.option(
+        "--flip",
+        metavar="NAME,..",
+        help="Joints that turn the other way than in the model; with --together files that went the other way.",
+    ),
     click.option("--offset", metavar="NAME=RAD,..", help="Added to positions: where the model's zero is another."),
     click.option("--angle-unit", metavar="UNIT", help="Of a robot's positions that say none, such as deg.  [rad]"),
     calibration_option,
@@ -147,6 +151,7 @@ def command(
                  --restoring pendulum
              harness diagnose from-20-mm.csv from-60-mm.csv --together
              harness diagnose empty.csv loaded.csv --together --restoring none
+             harness diagnose north.csv south.csv --together --flip south.csv
              harness diagnose --before dry-1.csv dry-2.csv --after oiled-1.csv
              harness diagnose decay.csv --model slider.xml
              harness diagnose decay.csv --model mine.json \\
@@ -174,6 +179,7 @@ def command(
 
     file, joint, gravity = robot or (None, None, None)
     servo = ServoOptions.chosen(known.pop("servo"))
+    turned = (known.pop("flip") or "").split(",") if together and file is None else []
     options = DiagnoseOptions.chosen(
         ReadOptions(**reading),
         sim_reading=ReadOptions(
@@ -209,7 +215,7 @@ def command(
                 named, options, to.out, jobs, resume, progress, this_line(), cluster=cluster, conditions=conditions
             )
         elif together:
-            one = room.diagnose_together(named, options, to.out, progress, this_line())
+            one = room.diagnose_together(named, options, to.out, progress, this_line(), [*filter(None, turned)])
         else:
             one = room.diagnose(named[0][0], options, to.out, progress, this_line(), named[0][1])
     if several:

@@ -45,8 +45,6 @@ _FEWEST_AMPLITUDES = 8
 """Samples from which two amplitudes and a mean are read."""
 _THIN = 1500
 """Samples of a rough fit."""
-_PHYSICS = ("c", "k", "f_k")
-"""Base parameters that recordings of one machine share."""
 _TRIED = 3
 """Recordings whose own fits are starts of a common one, beside the mean of all."""
 _MANY_CYCLES = 20.0
@@ -212,13 +210,14 @@ def _of_several(problem: Problem, alone: Sequence[tuple[Fit, Scales]]) -> tuple[
     elsewhere = tuple(Elsewhere(tuple((name, float(getattr(m, name))) for name in own)) for m in models[1:])
     if "m" in own:
         # alone each is per unit of its own mass
-        heavier = [m.m * models[0].k / m.k for m in models[1:]]
+        heavier = [m.m * models[0].k / m.k if m.k > 0.0 else m.m for m in models[1:]]
         elsewhere = tuple(one.having(m=mass) for one, mass in zip(elsewhere, heavier, strict=True))
     starts = {name: float(getattr(models[0], name)) for name in own}
-    of_all = tuple(sum(getattr(m, name) for m in models) / len(models) for name in _PHYSICS)
-    tries = dict.fromkeys([of_all, *(tuple(float(getattr(m, name)) for name in _PHYSICS) for m in models[:_TRIED])])
-    scales = scales_of(problem, float(np.median([s.omega for _, s in alone])))
-    begun = ({**dict(zip(_PHYSICS, physics, strict=True)), **starts, "t0": models[0].t0} for physics in tries)
+    names = problem.physics
+    of_all = tuple(sum(getattr(m, name) for m in models) / len(models) for name in names)
+    tries = dict.fromkeys([of_all, *(tuple(float(getattr(m, name)) for name in names) for m in models[:_TRIED])])
+    scales = problem.scales or scales_of(problem, float(np.median([s.omega for _, s in alone])))
+    begun = ({**dict(zip(names, physics, strict=True)), **starts, "t0": models[0].t0} for physics in tries)
     attempts = (partial(_whole, replace(models[0], **one, elsewhere=elsewhere), problem, scales) for one in begun)
     return _with_care(_best(attempts), problem, scales), scales
 

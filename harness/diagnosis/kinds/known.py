@@ -7,7 +7,7 @@ from harness.diagnosis.kinds.driven import DrivenRecordings
 from harness.diagnosis.kinds.free_decay import DecaysTogether, FreeDecays
 from harness.diagnosis.kinds.inverse_dynamics import FittedForces, ForcesOfSeveral
 from harness.diagnosis.kinds.kind import Kind
-from harness.diagnosis.kinds.run_down import RunDowns
+from harness.diagnosis.kinds.run_down import RunDowns, SeveralRunDowns
 from harness.diagnosis.problem import Problem
 
 _KINDS: tuple[Kind[Any], ...] = (
@@ -17,6 +17,7 @@ _KINDS: tuple[Kind[Any], ...] = (
     DecaysTogether(),
     ForcesOfSeveral(),
     RunDowns(),
+    SeveralRunDowns(),
     Curves(),
 )
 

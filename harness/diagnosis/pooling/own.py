@@ -3,7 +3,7 @@
 What each of several recordings says alone of the base parameters, and whether they say the same.
 
 Viscous friction, spring and Coulomb friction are fitted to each by itself. Their differences are held against the
-errors of both, joint over the three: a recording's c and f_k are told apart poorly, and what one has more of the other
+errors of both, joint over all: a recording's c and f_k are told apart poorly, and what one has more of the other
 has less. Errors are those of a single recording (harness.diagnosis.fit.standard_errors): by curvature, by curvature
 times what is left, and by what half-swings say; the one that lets most through decides.
 """
@@ -32,8 +32,6 @@ from harness.diagnosis.search.search import noise_of, under
 from harness.kernels.solve import Scales
 from harness.model.elsewhere import Elsewhere, named
 from harness.model.model import Model
-
-PHYSICS = ("c", "k", "f_k")
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,17 +89,19 @@ def _matrices(one: Alone) -> tuple[FloatArray, ...]:
 
 def _differences(each: Sequence[Alone], kind: int) -> tuple[float, int]:
     """Chi-square of what recordings say about what they say together, and its degrees of freedom."""
-    precision, weighed, seen = np.zeros((3, 3)), np.zeros(3), np.zeros(3, dtype=np.int64)
+    physics = each[0].problem.physics
+    size = len(physics)
+    precision, weighed, seen = np.zeros((size, size)), np.zeros(size), np.zeros(size, dtype=np.int64)
     all_of_it = []
     for one in each:
         names = [f.name for f in one.fit.free]
-        at = [names.index(name) for name in PHYSICS]
+        at = [names.index(name) for name in physics]
         matrices = _matrices(one)
         covariance = matrices[min(kind, len(matrices) - 1)][np.ix_(at, at)]
         values = one.fit.values[at]
         # a number on its bound has no error and says nothing; what is infinite says nothing either
         told = (np.diag(covariance) > 0.0) & np.isfinite(np.diag(covariance))
-        inverse = np.zeros((3, 3))
+        inverse = np.zeros((size, size))
         if np.any(told):
             inverse[np.ix_(told, told)] = np.linalg.pinv(covariance[np.ix_(told, told)])
         precision, weighed, seen = precision + inverse, weighed + inverse @ values, seen + told
@@ -134,7 +134,7 @@ def freed(found: Fit, problem: Together, scales: Scales, ratios: Sequence[float]
     words = words_of(Strokes.between(problem.turns(found.shown.v), problem.t.size))
     seen = []
     for stem in CANDIDATES:
-        if stem in problem.starts.own:
+        if stem in problem.starts.own or stem not in ("m", *problem.physics):
             continue
         with suppress(SimulationError):
             better = _fitted(found, problem, scales, stem, ratios)

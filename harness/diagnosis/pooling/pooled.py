@@ -54,7 +54,7 @@ def _less(found: Pooled[Together], one: Freed) -> Pooled[Together]:
 def ratios_of(seen: Compared) -> list[float]:
     """Stiffness per mass of each further recording over the first's."""
     each = [one.fit.model.k / one.fit.model.m for one in seen.alone]
-    return [k / each[0] for k in each[1:]]
+    return [k / each[0] if each[0] > 0.0 else 1.0 for k in each[1:]]
 
 
 def shared_by(problem: Together, base: Fit, scales: Scales) -> Pooled[Together]:

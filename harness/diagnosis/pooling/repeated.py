@@ -16,11 +16,10 @@ from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.standard_errors import base_parameters, term_parameters
 from harness.diagnosis.parameters import free_of
 from harness.diagnosis.pooling.forces import force_alone
-from harness.diagnosis.pooling.own import PHYSICS, SAID, Alone
+from harness.diagnosis.pooling.own import SAID, Alone
 from harness.diagnosis.pooling.pooled import Differs, Pooled, differences
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.forces_together import ForcesTogether
-from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.residual_tests.structure import Left, left_by
@@ -32,6 +31,7 @@ from harness.kernels.solve import Scales
 from harness.model.elsewhere import Elsewhere
 from harness.model.model import Model
 
+_PHYSICS = ("c", "k", "f_k")
 _LAWS = 3
 """Laws that are tried with numbers of each recording's own: what recordings differ in puts another first."""
 
@@ -49,10 +49,10 @@ def alone_under(found: Fit, problem: Together | ForcesTogether, scales: Scales, 
     for i, one in enumerate(each):
         model = replace(found.model.of_recording(i), terms=terms)
         with suppress(SimulationError):
-            if isinstance(one, FreeDecay):
-                read[i] = _decay(one, model, scales)
-            elif isinstance(one, InverseDynamics):
+            if isinstance(one, InverseDynamics):
                 read[i] = force_alone(one, model, scales)
+            else:
+                read[i] = _followed(one, model, scales)
     return _as_the_others(read)
 
 
@@ -60,16 +60,16 @@ def _as_the_others(read: list[Alone]) -> list[Alone]:
     """Decays that a law does not explain, tried again with the numbers of those that it does: a fit may stray."""
     explained = [one.fit.model for one in read if one.explained and one.fit.model.terms]
     for i, one in enumerate(read):
-        if explained and not one.explained and isinstance(one.problem, FreeDecay):
+        if explained and not one.explained and not isinstance(one.problem, InverseDynamics):
             with suppress(SimulationError):
-                again = _decay(one.problem, _median(one.fit.model, explained), one.scales)
+                again = _followed(one.problem, _median(one.fit.model, explained), one.scales)
                 read[i] = min(one, again, key=lambda tried: tried.fit.chi2)
     return read
 
 
 def _median(model: Model, others: Sequence[Model]) -> Model:
     """A model with the physics of others, every number of it and of its laws their median."""
-    base: dict[str, Any] = {stem: float(np.median([getattr(other, stem) for other in others])) for stem in PHYSICS}
+    base: dict[str, Any] = {stem: float(np.median([getattr(other, stem) for other in others])) for stem in _PHYSICS}
     terms = []
     for entry in model.terms:
         same = [one.values for other in others for one in other.terms if one.term is entry.term]
@@ -126,7 +126,7 @@ def _with_own(
 def _differing(alone: Sequence[Alone]) -> list[str]:
     """Base parameters of which each recording may have its own, the one they differ in most first."""
     far: dict[str, float] = {}
-    for stem in PHYSICS:
+    for stem in alone[0].problem.physics:
         at = [[f.name for f in one.fit.free].index(stem) for one in alone]
         values = np.array([one.fit.values[i] for one, i in zip(alone, at, strict=True)])
         variance = np.array([float(one.fit.covariance()[i, i]) for one, i in zip(alone, at, strict=True)])
@@ -147,8 +147,12 @@ def _jointly(model: Model, problem: Together, scales: Scales, alone: Sequence[Al
     return fit(begun, problem, free_of(begun, problem.base_names), scales)
 
 
-def _decay(problem: FreeDecay, model: Model, scales: Scales) -> Alone:
-    found = fit(model, problem, free_of(model, problem.base_names), scales)
+def _followed(problem: Problem, model: Model, scales: Scales) -> Alone:
+    """What a recording alone cannot tell from its base parameters is as all of them tell it."""
+    spring = {"spring"} if model.k > 0.0 else set()
+    told = [problem.given | spring >= set(entry.term.needs) for entry in model.terms]
+    free = free_of(model, problem.base_names)
+    found = fit(model, problem, tuple(f for f in free if not isinstance(f.by, tuple) or told[f.by[0]]), scales)
     explained = left_by(found, problem, scales.omega, found) is Left.NOISE
     return Alone(problem, found, scales, explained, base_parameters(found, problem, scales.omega, explained))
 

@@ -1,26 +1,38 @@
-"""A run-down told from a swing before anything is fitted, and made ready: cut to where it is let go and where it stops.
+"""A run-down, or several, told from a swing before anything is fitted, and made ready: cut to its motion.
 
 Its speed, read in windows, keeps one sign and falls. A slider on a spring turns round, or creeps back without: the
 latter looks like a wheel with viscous friction alone, and is read as one unless a spring is asked for.
 """
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 
 from harness.core.errors import InputError
 from harness.core.recording import Recording
+from harness.diagnosis.moves.classify import classify
 from harness.diagnosis.moves.falling import falls
+from harness.diagnosis.moves.kinds import MotionKind
+from harness.diagnosis.prepare.free_decay import in_common
 from harness.diagnosis.problems.run_down import RunDown
+from harness.diagnosis.problems.run_downs_together import RunDownsTogether
 from harness.diagnosis.request import Asked
 from harness.diagnosis.smoothed_state.local_cubics import longest_interval, smoothed
 from harness.diagnosis.starts import AtSpeed, OneStart
 from harness.estimate.noise import Stamps, channel_noise
 from harness.estimate.saturation import believed
+from harness.model.model import Restoring
 
 _FINE, _WIDTHS, _CUBIC = 256, (12, 40), 3
 """Windows whose noise is looked at, samples of one, and what is taken off it."""
 ONE_WAY = (
     "a run-down in one direction: f_k holds whatever pushes steadily against it besides, a grade, a tilt or an offset"
-    " (a second one in the other direction would part them)"
+    " (a second one in the other direction parts them with --together)"
+)
+ONE_WAY_ALL = (
+    "all run-downs go in one direction: f_k holds whatever pushes steadily against them, a grade, a tilt or an offset"
+    " (--flip FILE turns the signs of one that went the other way and does not say so)"
 )
 RATIOS = "without --mass, or --inertia, only ratios to it are identifiable: c/m and f_k/m"
 
@@ -59,3 +71,29 @@ def run_down_problem(recording: Recording, asked: Asked) -> tuple[RunDown, tuple
         level={c: Stamps.of(cut.t, y, slope[c], noise[c], width, _CUBIC).level for c, y in channels.items()},
     )
     return problem, (*beyond, *notes, ONE_WAY, *(() if asked.mass else (RATIOS,)))
+
+
+def run_downs_together(recordings: Sequence[Recording], asked: Asked) -> tuple[RunDownsTogether, tuple[str, ...]]:
+    """Run-downs as one problem, each on a clock that begins where it is let go, and what was done to each.
+
+    Raises InputError for fewer than two, for what is none among them, and for those that have no channel in common.
+    """
+    swings = [one.file for one in recordings if not runs_down(one, asked.restoring)]
+    if swings:
+        found = f"{swings[0]} does not run down, as another recording does"
+        raise InputError("--together", found, "run-downs, or swings, or driven recordings are accepted, not both")
+    common = in_common(recordings)
+    each, notes = [], []
+    for one in recordings:
+        shared = replace(one, channels={c: one[c] for c in common})
+        problem, done = run_down_problem(shared, asked)
+        each.append(replace(problem, t=problem.t - problem.t[0]))
+        notes += [f"in {one.file}: {note}" for note in done if note not in (ONE_WAY, RATIOS)]
+    laid = RunDownsTogether.laid(each)
+    said = (*(() if laid.both_ways else (ONE_WAY_ALL,)), *(() if asked.mass else (RATIOS,)))
+    return laid, (*notes, *said)
+
+
+def runs_down(recording: Recording, restoring: Restoring | None) -> bool:
+    """Whether a recording without a force is read as a run-down."""
+    return restoring is Restoring.NONE or classify(recording, restoring).kind is MotionKind.RUN_DOWN

@@ -34,6 +34,11 @@ _LINE = 3
 """Samples that a slope needs."""
 
 
+def patient(effort: Effort) -> Effort:
+    """With as many steps as what repeats with the place may take."""
+    return replace(effort, steps_per_cycle=_PATIENT * effort.steps_per_cycle)
+
+
 @dataclass(frozen=True, slots=True)
 class Course:
     """The speed of a motion in windows. t (m,), s : their middles. v (m,), m/s, with standard errors v_sd (m,)."""
@@ -67,7 +72,7 @@ class RunDown(Problem):
 
     def shows(self, model: Model, by: tuple[By, ...], scales: Scales | None, effort: Effort) -> Observation:
         """By simulation, in as many steps as what repeats with the place may take."""
-        return observe(model, self, by, scales, replace(effort, steps_per_cycle=_PATIENT * effort.steps_per_cycle))
+        return observe(model, self, by, scales, patient(effort))
 
     @property
     def scales(self) -> Scales:

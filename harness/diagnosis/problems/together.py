@@ -1,4 +1,4 @@
-"""Several free decays of one slider: one set of physics, a start, a zero and a noise for each recording.
+"""Several free decays, or run-downs, of one slider: one set of physics, a start, a zero and a noise for each recording.
 
 They lie one behind the other on a common axis of time, so that all that looks at samples sees one recording. Each is
 simulated on its own clock, which begins at its own release.
@@ -6,7 +6,7 @@ simulated on its own clock, which begins at its own release.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -26,14 +26,15 @@ from harness.model.model import Model
 class Together(Problem):
     """See Problem.
 
-    said : what was found of the recordings before the search, one sentence each.
+    said : what was found of the recordings before the search, one sentence each. piece : what each is by itself.
     """
 
     starts: Several = field()
     said: tuple[str, ...] = ()
+    piece: ClassVar[type[Problem]] = FreeDecay
 
     @classmethod
-    def laid(cls, alone: Sequence[FreeDecay]) -> "Together":
+    def laid(cls, alone: Sequence[Problem]) -> Self:
         """Recordings of the same channels, held alike, one behind the other: the next begins a sample later."""
         clocks, now = [], 0.0
         for one in alone:
@@ -43,8 +44,8 @@ class Together(Problem):
 
     @classmethod
     def of(
-        cls, alone: Sequence[FreeDecay], clocks: Sequence[float], own: tuple[str, ...] = (), said: tuple[str, ...] = ()
-    ) -> "Together":
+        cls, alone: Sequence[Problem], clocks: Sequence[float], own: tuple[str, ...] = (), said: tuple[str, ...] = ()
+    ) -> Self:
         """Recordings each on its own clock; clocks : where it is zero on the common axis, s. own : see Several."""
         first = alone[0]
         sizes = [one.t.size for one in alone]
@@ -84,14 +85,14 @@ class Together(Problem):
         return tuple(slice(s.start, s.stop) for s in self.starts.stretches)
 
     @property
-    def alone(self) -> tuple[FreeDecay, ...]:
+    def alone(self) -> tuple[Problem, ...]:
         """Each recording by itself, on its own clock."""
         return tuple(self._one(s) for s in self.starts.stretches)
 
-    def _one(self, s: Stretch) -> FreeDecay:
+    def _one(self, s: Stretch) -> Problem:
         at = slice(s.start, s.stop)
         over = {c: float(np.sqrt(np.mean(y[at] ** 2))) for c, y in self.level.items()}
-        return FreeDecay(
+        return self.piece(
             self.t[at] - s.clock,
             {c: y[at] for c, y in self.channels.items()},
             {c: replace(n, sigma=n.sigma * over[c]) for c, n in self.noise.items()},
@@ -125,12 +126,12 @@ class Together(Problem):
     def own_names(self) -> tuple[str, ...]:
         """Start and zero, and what else was found to differ."""
         zero = ("offset",) if self.zero_free and "x" in self.channels else ()
-        return (*self.starts.own, *zero, "x0", "v0")
+        return (*self.starts.own, *zero, *self.starts.stretches[0].starts.names)
 
     @property
     def base_names(self) -> tuple[str, ...]:
         """Those shared, then every recording's own."""
-        shared = [name for name in ("c", "k", "f_k") if name not in self.starts.own]
+        shared = [name for name in self.physics if name not in self.starts.own]
         count = len(self.starts.stretches)
         own = [named(stem, r) for r in range(count) for stem in self.own_names if (stem, r) != ("m", 0)]
         return (*shared, *own)
@@ -169,11 +170,11 @@ class Together(Problem):
             inside[s.start : s.start + int(share * (s.stop - s.start))] = True
         return inside
 
-    def first_part(self, share: float) -> "Together":
+    def first_part(self, share: float) -> Self:
         """Of every recording."""
         return self._each(lambda one, _: one.first_part(share))
 
-    def of_hand_free(self, fewest: int) -> "tuple[Together, float]":
+    def of_hand_free(self, fewest: int) -> tuple[Self, float]:
         """Each recording from its own first turning point; the longest time that is left out."""
         found = [one.of_hand_free(fewest) for one in self.alone]
         left_out = max(time for _, time in found)
@@ -187,7 +188,7 @@ class Together(Problem):
         ]
         return np.concatenate(found)[1:].astype(np.int64)
 
-    def condensed(self, shown: Mapping[str, FloatArray], size: int) -> "tuple[Together, float]":
+    def condensed(self, shown: Mapping[str, FloatArray], size: int) -> tuple[Self, float]:
         """Every recording by itself."""
         at = self.places
         small = self._each(lambda one, i: one.condensed({c: shown[c][at[i]] for c in one.channels}, size)[0])
@@ -202,11 +203,11 @@ class Together(Problem):
         starts = replace(self.starts, stretches=tuple(replace(s, start=low, stop=high) for s, low, high in moved))
         return replace(super(Together, self).at_every_sample(t, channels), starts=starts)
 
-    def _each(self, change: Callable[[FreeDecay, int], FreeDecay]) -> "Together":
+    def _each(self, change: Callable[[Problem, int], Problem]) -> Self:
         return self._anew([change(one, i) for i, one in enumerate(self.alone)])
 
-    def _anew(self, alone: Sequence[FreeDecay]) -> "Together":
-        return Together.of(alone, [s.clock for s in self.starts.stretches], self.starts.own, self.said)
+    def _anew(self, alone: Sequence[Problem]) -> Self:
+        return self.of(alone, [s.clock for s in self.starts.stretches], self.starts.own, self.said)
 
 
 def typical(each: Sequence[Noise], sizes: Sequence[int]) -> Noise:
