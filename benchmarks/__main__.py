@@ -55,9 +55,7 @@ def main(arguments: list[str] | None = None) -> int:
     chosen = [b for b in all_benchmarks() if not options.only or any(part in b.name for part in options.only)]
     if not chosen:
         names = ", ".join(b.name for b in all_benchmarks())
-        sys.stderr.write(
-            f"--only: {' '.join(options.only)} matches no row; part of one of these is accepted: {names}\n"
-        )
+        sys.stderr.write(f"--only: {' '.join(options.only)} matches no row; expected part of one of these: {names}\n")
         return 2
     progress = Console(stderr=True)
     rows = []

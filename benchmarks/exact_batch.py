@@ -57,7 +57,7 @@ def fill_batch(
     The result does not depend on the number of threads. Raises InputError naming the first row that is no slider.
     """
     if parameters.ndim != 2 or parameters.shape[1] != len(COLUMNS):
-        raise InputError("batch: parameters", f"shape {parameters.shape}", f"(sliders, {len(COLUMNS)}) is accepted")
+        raise InputError("batch: parameters", f"shape {parameters.shape}", f"(sliders, {len(COLUMNS)})")
     finite("batch: t0", t0)
     positive("batch: dt", dt, "s")
     sliders = parameters.shape[0]

@@ -31,7 +31,7 @@ def told(first: str, second: str) -> str:
     except AssertionError as unclear:
         return str(unclear)
     most = 2.0 * goal(both)
-    return "" if error < most else f"{error:.3g} by {where}, at most {most:.3g} is accepted"
+    return "" if error < most else f"{error:.3g} by {where}, at most {most:.3g}"
 
 
 def main() -> int:

@@ -20,7 +20,7 @@ one of them is used. `harness.api` has them too, with the types of the results, 
 ([results](results.md)).
 
 Arrays you have already go into `Recording(t, {"x": x, "a": a})` (seconds, metres, metres per second squared). Bad input
-raises `harness.core.errors.InputError`, whose text is one line that says what would be accepted.
+raises `harness.core.errors.InputError`, whose text is one line that says what is expected.
 
 Every result prints itself: `print(result)` gives the verdict and the numbers, a notebook shows its page.
 `result.to_frame()` is a pandas.DataFrame; `result.plots` names the plots of the page, that which answers first, and

@@ -13,7 +13,7 @@ INTRODUCTION = """\
 
 Written by `python docs/results_page.py` from the models of the results. Every command writes JSON: `result.json` of its
 output folder, or `--json FILE`. A field `schema` says which of the forms below it is. SI units everywhere; of a hinge,
-metres are radians. Nothing is ever left out in silence: what is null says why.
+metres are radians. Nothing is ever missing in silence: what is null says why.
 
 A number that was estimated is a `P`, with its standard error and its unit; what could not be is null, with `why`.
 """

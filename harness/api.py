@@ -97,7 +97,7 @@ def load(
     """Read a recording of any accepted format, in SI units.
 
     columns : as --columns, "t=t,x=qm[mm]". skip_rows : lines before the header. rate : Hz, where no column gives the
-    time. start, stop : s, the part to keep. drop_nan : leave out rows in which a channel has no value. run : which of a
+    time. start, stop : s, the part to keep. drop_nan : skip rows in which a channel has no value. run : which of a
     file that holds several. trace : which one of a .rrd. Raises InputError naming what is wrong, and where.
     """
     from harness.app.shared.reading import ReadOptions, read
@@ -163,7 +163,7 @@ def diagnose(
     budget: float | None = None,
     out: File | None = None,
 ) -> DiagnosisResult:
-    """Find which physics viscous and Coulomb friction leave out of a recording, and the model that has it.
+    """Find which physics viscous and Coulomb friction miss in a recording, and the model that has it.
 
     recording : several of one machine are diagnosed together, as --together does: one set of physics, and of each a
     start, a zero and a noise (``result.own``). model : the simulation as you have it. sim : a trace of it. validate :
@@ -220,7 +220,7 @@ def change(
     """What changed of a machine between two conditions, by how much, and what did not.
 
     before, after : recordings of each, one or more; repeats say by how much the machine differs from itself. What a
-    model of viscous and dry friction leaves out of either is named first and then read in both. Other arguments as
+    model of viscous and dry friction misses in either is named first and then read in both. Other arguments as
     ``diagnose`` has them. out : folder for result and report, as the command leaves them.
 
     Raises InputError for recordings that are not of one machine or an option that cannot be used, SimulationError when
@@ -453,7 +453,7 @@ def load_log(
     model, in its order: chosen by name, and the names where a log has none. topic : of a bag, or the episode of a data
     set. gain : N m per A at the joint, one for all or by joint. angle_unit : of positions that say none. skip_rows :
     lines before the header. rate : Hz, where no column gives the time. start, stop : s, the part to keep. drop_nan :
-    leave out rows in which a joint has no value. join : further files of the log, each with a signal of all joints.
+    skip rows in which a joint has no value. join : further files of the log, each with a signal of all joints.
     calibration : LeRobot's file, where positions are -100 to 100 of each joint's range.
 
     Raises InputError naming what is wrong, and where.

@@ -183,7 +183,7 @@ def regress(
     if traces is not None and not update:
         return room.compared_traces(Path(traces), None if baseline is None else Path(baseline), options.rows)
     if baseline is None or traces is not None:
-        raise InputError("regress", "no baseline to compare with", "a baseline, or traces without update, is accepted")
+        raise InputError("regress", "no baseline to compare with", "a baseline, or traces without update")
     rows = room.fresh_rows(options)
     if update:
         room.update(Path(baseline), rows, some=any(patterns.values()))
@@ -238,7 +238,7 @@ def tune(
     from harness.app.sweep.tune import tune as of_sliders
 
     if robot is not None and route not in (None, "joint"):
-        raise InputError("route", f"{route}, given with robot", "joint is accepted with it")
+        raise InputError("route", f"{route}, given with robot", "joint")
     goals = [goal(text) for text in meet or ()]
     if robot is None:
         return of_sliders(engine, route or "joint", dt, max_cost, goals=goals)

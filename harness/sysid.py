@@ -52,7 +52,7 @@ def series_of(log: JointLog, model: Any) -> tuple[Any, Any]:
     for joint, effort in log.effort.items():
         number = next((i for i in range(model.nu) if _joint(model, i) == joint), None)
         if number is None:
-            raise InputError(f"{log.file}: {joint}", "no motor in the model", f'<motor joint="{joint}"/> is accepted')
+            raise InputError(f"{log.file}: {joint}", "no motor in the model", f'<motor joint="{joint}"/>')
         controls.append(effort / _gear(model, number))
         names.append(model.actuator(number).name)
     states = {made.SignalType.MjStateQPos: log.position, made.SignalType.MjStateQVel: log.velocity}
@@ -104,7 +104,7 @@ def friction_of(parameters: Any, spec: Any) -> dict[str, dict[str, float]]:
 
 def _mapping(series: Any) -> Mapping[str, Any]:
     if series.signal_mapping is None:
-        accepted = "one made by TimeSeries.from_names or from_control_names is accepted"
+        accepted = "one made by TimeSeries.from_names or from_control_names"
         raise InputError("a TimeSeries", "no names of its signals", accepted)
     return dict(series.signal_mapping)
 
@@ -133,7 +133,7 @@ def _gear(model: Any, number: int) -> float:
     """Torque of an actuator for a control of 1."""
     own = model.actuator(number)
     if own.gaintype[0] or own.biastype[0]:  # fixed and none are 0
-        accepted = "a motor of a joint, or a sensor <jointactuatorfrc>, is accepted"
+        accepted = "a motor of a joint, or a sensor <jointactuatorfrc>"
         raise InputError(f"actuator {own.name}", "its torque is not its control", accepted)
     return float(own.gear[0] * own.gainprm[0])
 
@@ -141,7 +141,7 @@ def _gear(model: Any, number: int) -> float:
 def _friction(result: DiagnosisResult) -> Mapping[str, tuple[P, P]]:
     """Coulomb and viscous friction of the joints of a diagnosis."""
     if result.robot is None:
-        raise InputError("result", "no robot's joint", "one of harness.diagnose_joint is accepted")
+        raise InputError("result", "no robot's joint", "one of harness.diagnose_joint")
     if result.robot.arm is None:
         known = result.refined.parameters
         return {result.robot.joint: (known["f_k"], known["c"])}

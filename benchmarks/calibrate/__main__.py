@@ -74,9 +74,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _lines(told: argparse.Namespace) -> Sequence[str]:
     for option, value in (("--draws", told.draws), ("--jobs", told.jobs)):
         if value < 1:
-            raise InputError(option, str(value), "a whole number of at least 1 is accepted")
+            raise InputError(option, str(value), "a whole number of at least 1")
     if told.plant is not None and told.name not in _OF_PLANT:
-        raise InputError("--plant", f"given with {told.name}", f"it is accepted with {' and '.join(_OF_PLANT)}")
+        raise InputError("--plant", f"given with {told.name}", f"it goes with {' and '.join(_OF_PLANT)}")
     chosen = CALIBRATIONS[told.name] if told.plant is None else _OF_PLANT[told.name](told.plant)
     rows = measured(chosen.measure, told.seed, told.draws, told.jobs)
     return [f"{told.name}: seed {told.seed}, {told.draws} draws, {len(rows)} measured", *chosen.said(rows)]

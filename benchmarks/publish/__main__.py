@@ -38,7 +38,7 @@ def _machines(folders: Sequence[str]) -> str:
 
 def _one(folders: Sequence[str]) -> Path:
     if len(folders) != 1 or not Path(folders[0]).is_dir():
-        raise HarnessError("one finished folder is accepted")
+        raise HarnessError("expected one finished folder")
     return Path(folders[0])
 
 
@@ -49,6 +49,6 @@ if __name__ == "__main__":
         if sys.argv[1:2] and sys.argv[1] in ALL:
             print(ALL[sys.argv[1]](sys.argv[2:]))
         else:
-            raise HarnessError(f"{' or '.join(ALL)} is accepted, as in python -m benchmarks.publish proof DIR")
+            raise HarnessError(f"expected {' or '.join(ALL)}, as in python -m benchmarks.publish proof DIR")
     except HarnessError as error:
         sys.exit(f"harness: {error}")

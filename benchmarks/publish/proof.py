@@ -22,7 +22,7 @@ def place_of(proof: Path) -> Path:
     try:
         sizes = ProofResult.model_validate_json((proof / RESULT).read_text(encoding="utf-8")).sizes
     except (OSError, ValueError):
-        raise HarnessError(f"{proof} holds no finished proof; the folder of one is accepted") from None
+        raise HarnessError(f"{proof} holds no finished proof; expected the folder of one") from None
     alone = sizes.machines > 0 and sizes.singles == 0
     return Path("reports/proof-machines" if alone else "reports/proof")
 

@@ -43,7 +43,7 @@ def chosen_kinds(names: Sequence[str]) -> list[Kind]:
     found: dict[str, Kind] = {}
     for name in names:
         if name not in ("free", "driven", *KINDS_OF_MACHINE):
-            raise InputError("--kind", name, f"free, driven or one of {', '.join(KINDS_OF_MACHINE)} is accepted")
+            raise InputError("--kind", name, f"free, driven or one of {', '.join(KINDS_OF_MACHINE)}")
         found |= {"free": FREE, "driven": DRIVEN}.get(name) or {name: KINDS_OF_MACHINE[name]}
     return list(found.values())
 
@@ -102,7 +102,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _generate(told: argparse.Namespace) -> int:
     if told.out.exists() and any(told.out.iterdir()):
-        raise InputError("--out", f"{told.out} holds something", "a new or empty folder is accepted")
+        raise InputError("--out", f"{told.out} holds something", "a new or empty folder")
     tasks: list[tuple[Callable[[Any], Any], Any]]
     if told.plant == "bench":
         hidden = plan(told.kinds, told.count, told.controls, told.pairs, told.aliens, told.seed)

@@ -58,7 +58,7 @@ def read_results(path: Path) -> dict[str, Result]:
             for one in said if isinstance(said, list) else [said]:
                 found[Path(one["recording"]["file"]).name] = one
     except (OSError, ValueError, KeyError, TypeError):
-        raise InputError(str(path), "no results", "the JSON of harness diagnose, or a folder, is accepted") from None
+        raise InputError(str(path), "no results", "the JSON of harness diagnose, or a folder") from None
     return found
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from harness.app.shared.deliver import write_text
 from harness.app.shared.leaving import curves_of
-from harness.core.errors import InputError
+from harness.core.errors import TRY, InputError
 from harness.core.recording import Recording
 from harness.diagnosis.moves.classify import classify
 from harness.io.logs.finish import Gain
@@ -35,7 +35,7 @@ def log(path: Path, options: LogOptions | None = None, gain: Gain | None = None,
     """
     options = options or LogOptions()
     plain = ReadOptions(**{one.name: getattr(options, one.name) for one in fields(ReadOptions)})
-    recording: Recording | InputError = InputError(str(path), "no recording", "a table of one motion is accepted")
+    recording: Recording | InputError = InputError(str(path), "no recording", "a table of one motion")
     if source_of(path).kind == "table" and not options.join:
         try:
             recording = read_recording(path, plain)
@@ -49,7 +49,7 @@ def log(path: Path, options: LogOptions | None = None, gain: Gain | None = None,
     except InputError as error:
         # a line to paste that was tried goes before what joints a table lacks
         if not isinstance(recording, Recording):
-            raise (recording if "try: " in recording.accepted else error) from None
+            raise (recording if recording.accepted.startswith(TRY) else error) from None
     if page is not None:
         if not isinstance(recording, Recording):
             raise recording

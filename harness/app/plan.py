@@ -53,7 +53,7 @@ def plan(
         if limit is not None:
             positive(name, limit, unit)
     if seconds < _LEAST:
-        raise InputError("--seconds", f"{seconds:g} s", f"at least {_LEAST:g} s are accepted")
+        raise InputError("--seconds", f"{seconds:g} s", f"at least {_LEAST:g} s")
     arm = load_arm(robot)
     names = tuple(joints) or tuple(name for name in arm.joints if name not in arm.coupled)
     for name in names:

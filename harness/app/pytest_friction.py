@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from harness.fidelity.row import Spec
 
 MARK = "friction_fidelity"
-_NO_BASELINE = "no baseline: --friction-baseline FILE, or a fixture friction_baseline, is accepted"
+_NO_BASELINE = "no baseline: --friction-baseline FILE, or a fixture friction_baseline"
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

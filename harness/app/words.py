@@ -88,9 +88,7 @@ def _chosen(form: Form, engines: Sequence[str]) -> tuple[Reader, ...]:
     for name in engines:
         if name not in every:
             near = did_you_mean(name, every)
-            raise InputError(
-                "--engine", f"{name!r} reads no {form.upper()}", f"one of {', '.join(every)} is accepted{near}"
-            )
+            raise InputError("--engine", f"{name!r} reads no {form.upper()}", f"one of {', '.join(every)}{near}")
     return tuple(one for name, one in every.items() if not engines or name in engines)
 
 

@@ -57,7 +57,7 @@ def say_diagnosis(result: "DiagnosisResult") -> None:
             say(f"- not ruled out in place of {mechanism.name}: {others}")
     if result.robot is not None:
         _robot(result.robot)
-    if result.attribution is not None and (result.settings.get("sim") or result.settings.get("model")):
+    if result.attribution is not None and result.has_own_simulation:
         _shares(result.attribution)
     _ending(result)
 
@@ -303,7 +303,7 @@ def say_many(many: "Many") -> None:
         left_out = ", ".join(m.name for m in answer.mechanisms) or "-"
         chi2 = [figure(fit.chi2_per_point) for fit in (answer.baseline, answer.refined)]
         rows.append((name, answer.verdict, left_out, chi2[0], chi2[1]))
-    heads = ("recording", "verdict", "left out", "chi2 a point before", "after")
+    heads = ("recording", "verdict", "missing", "chi2 a point before", "after")
     show_rows(heads, rows, heads[:3])
     say(f"{len(many.answers)} recordings, {many.failed} failed")
     if many.fleet is not None:

@@ -21,7 +21,7 @@ import click
 from click.shell_completion import shell_complete
 
 from harness.cli import commands
-from harness.cli.output import whole_line
+from harness.cli.remedy import whole_line
 from harness.core import __version__
 from harness.core.cores import one_thread
 from harness.core.errors import HarnessError, InputError, did_you_mean, visible
@@ -100,7 +100,7 @@ class Commands(click.Group):
         if args and not args[0].startswith("-") and self.get_command(ctx, args[0]) is None:
             known = self.list_commands(ctx)
             near = did_you_mean(args[0], known)
-            ctx.fail(f"command '{args[0]}': no such command; accepted: {', '.join(known)}{near}")
+            ctx.fail(f"command '{args[0]}': no such command; expected one of {', '.join(known)}{near}")
         return super().resolve_command(ctx, args)
 
 
@@ -168,16 +168,16 @@ def _check_names(line: Sequence[str]) -> None:
         except UnicodeEncodeError:
             where = "the working folder" if name not in line else "argument"
             found = f"bytes that are no text in {sys.getfilesystemencoding()}"
-            raise InputError(f"{where} {visible(name)}", found, "a name that is text is accepted") from None
+            raise InputError(f"{where} {visible(name)}", found, "a name that is text") from None
 
 
 def _explained(error: BaseException) -> tuple[str, int]:
     """The line a person reads and the exit code."""
     match error:
         case HarnessError():
-            return whole_line(str(error)), error.exit_code
+            return whole_line(error, cli), error.exit_code
         case click.UsageError() if error.ctx is not None:
-            return f"{error.format_message()} (see {error.ctx.command_path} --help)", error.exit_code
+            return whole_line(error, cli), error.exit_code
         case click.ClickException():
             return error.format_message(), error.exit_code
         case KeyboardInterrupt() | click.Abort():
@@ -192,9 +192,9 @@ def _stream(error: OSError) -> int:
     if isinstance(error, BrokenPipeError):
         return 1
     if isinstance(error, FileNotFoundError) and error.filename is None:
-        return _say("the working folder: it was removed; a folder that is there is accepted", 2)
+        return _say("the working folder: it was removed; expected a folder that is there", 2)
     where = f"{error.filename}: " if error.filename else "output: "
-    return _say(f"{where}{error.strerror or error}; another place is accepted", 2)
+    return _say(f"{where}{error.strerror or error}; expected another place", 2)
 
 
 def _say(text: str, code: int) -> int:

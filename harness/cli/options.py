@@ -95,9 +95,9 @@ _COLUMNS = click.option("--columns", metavar="MAP", help='Columns, constants and
 _READING = (
     click.option("--skip-rows", type=int, default=0, metavar="N", help="Lines before the header or the numbers."),
     click.option("--rate", type=float, metavar="HZ", help="Sampling rate, where no column gives the time."),
-    click.option("--from", "start", type=float, metavar="S", help="Leave out what comes before this time."),
-    click.option("--to", "stop", type=float, metavar="S", help="Leave out what comes after this time."),
-    click.option("--drop-nan", is_flag=True, help="Leave out rows in which a channel has no value."),
+    click.option("--from", "start", type=float, metavar="S", help="Skip what comes before this time."),
+    click.option("--to", "stop", type=float, metavar="S", help="Skip what comes after this time."),
+    click.option("--drop-nan", is_flag=True, help="Skip rows in which a channel has no value."),
     click.option("--run", type=int, metavar="N", help="Which run of a file that holds several.  [1]"),
 )
 _JOIN = click.option(
@@ -135,14 +135,14 @@ Joint = tuple[Path, str | None, Gravity | None]
 def _joint(robot: Path | None, joint: str | None, gravity: Gravity | None, base: str | None) -> Joint | None:
     """None where no robot is given. Raises InputError for a base that moves: no log that is read says how."""
     if base not in (None, "fixed", "free"):
-        raise InputError("--base", repr(base), "fixed or free is accepted")
+        raise InputError("--base", repr(base), "fixed or free")
     if base == "free":
-        rack = "--base fixed, of a robot in a rack or lying with its trunk still (--gravity says how), is accepted"
+        rack = "--base fixed, of a robot in a rack or lying with its trunk still (--gravity says how)"
         raise InputError("--base free", "how the base moves is in no log that is read", rack)
     if robot is not None:
         check_file(robot)
         return robot, joint, gravity
-    refuse("given without --robot", "it is accepted with --robot FILE", joint=joint, gravity=gravity, base=base)
+    refuse("given without --robot", "it goes with --robot FILE", joint=joint, gravity=gravity, base=base)
     return None
 
 
@@ -163,7 +163,7 @@ rows_options = group(
     click.option(
         "-k", "only", multiple=True, metavar="PATTERN", help="Rows: part of a name, or a whole one with *; may repeat."
     ),
-    click.option("--skip", multiple=True, metavar="PATTERN[: WHY]", help="Rows to leave out; may repeat."),
+    click.option("--skip", multiple=True, metavar="PATTERN[: WHY]", help="Rows to skip; may repeat."),
     click.option("--xfail", multiple=True, metavar="PATTERN[: WHY]", help="Rows known to get worse; may repeat."),
 )
 """-k, --skip, --xfail, by the names that SweepOptions has for them."""

@@ -95,7 +95,7 @@ class Output:
 
     def __post_init__(self) -> None:
         if self.json_to == STANDARD_OUTPUT and sys.stdout is None:
-            raise InputError("--json -", "standard output is closed", "an open one, or a file, is accepted")
+            raise InputError("--json -", "standard output is closed", "an open one, or a file")
         if self.json_to is not None and self.json_to != STANDARD_OUTPUT:
             from harness.app.shared.deliver import check_writable
 
@@ -171,21 +171,6 @@ def this_line() -> str:
 def figure(value: float | None, spec: str = ".4g", after: str = "", times: float = 1.0, before: str = "") -> str:
     """A number with what stands before and after it, "-" for none."""
     return "-" if value is None else f"{before}{times * value:{spec}}{after}"
-
-
-_PROPOSED = re.compile(r"try: (?P<options>--.+?)(?P<rest>, which reads .*)?$")
-
-
-def whole_line(message: str) -> str:
-    """A message whose end are options to try, with the whole command that has them; any other as it is."""
-    found, words = _PROPOSED.search(message), shlex.split(this_line())
-    if found is None or not words:
-        return message
-    named = set(re.findall(r"--[a-z-]+", re.sub(r"\"[^\"]*\"", "", found["options"])))
-    valued = named - {"--drop-nan"}
-    pairs = zip(["", *words], words, strict=False)
-    kept = [word for before, word in pairs if before not in valued and not {word, word.partition("=")[0]} & named]
-    return f"{message[: found.start()]}try: {shlex.join(kept)} {found['options']}{found['rest'] or ''}"
 
 
 def with_error(number: "P | None", said: str = "") -> str:

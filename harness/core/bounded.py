@@ -4,28 +4,41 @@ import gzip
 import json
 import os
 import zlib
+from itertools import islice
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from harness.core.errors import InputError
+from harness.core.errors import InputError, did_you_mean
 
 MEBIBYTE = 1 << 20
 MOST_BYTES = 1024 * MEBIBYTE
 """Of a recording as text, unpacked: ten million samples of five channels take less."""
 MOST_DOCUMENT_BYTES = 64 * MEBIBYTE
 """Of a JSON document."""
+_MOST_BESIDE = 1000
+"""Names of a folder that a mistyped one is compared with."""
 _PIECE = 4 * MEBIBYTE
 _MOST_DIGITS = 1000
 
 
-def check_file(path: Path, where: str = "", accepted: str = "a file that can be read is accepted") -> None:
+def check_file(path: Path, where: str = "", accepted: str = "a file that can be read") -> None:
     """Raise InputError, about ``where`` or the path itself, for a path that is no file.
 
     It loads nothing: a mistyped name is refused before a program loads what it would read the file with.
     """
+    if path.is_dir():
+        raise InputError(where or str(path), "a folder", accepted)
     if not path.is_file():
-        found = "a folder" if path.is_dir() else "no such file"
-        raise InputError(where or str(path), found, accepted)
+        raise InputError(where or str(path), "no such file", accepted + _near(path))
+
+
+def _near(path: Path) -> str:
+    """The end of a message with the file beside ``path`` whose name is nearest to its own."""
+    try:
+        beside = [str(path.with_name(one.name)) for one in islice(os.scandir(path.parent), _MOST_BESIDE)]
+    except (OSError, ValueError):
+        return ""
+    return did_you_mean(str(path), beside)
 
 
 def check_size(path: Path, most: int) -> None:
@@ -45,7 +58,7 @@ def read_bytes(path: Path, most: int = MOST_BYTES) -> bytes:
             if len(data) > size:  # a file that grows meanwhile, or one whose size the system does not say
                 data += file.read(most + 1 - len(data))
     except OSError as error:
-        raise InputError(str(path), error.strerror or "cannot be read", "a file that can be read is accepted") from None
+        raise InputError(str(path), error.strerror or "cannot be read", "a file that can be read") from None
     if len(data) > most:
         raise _too_large(path, f"more than {most} bytes", most)
     return data
@@ -64,12 +77,12 @@ def unpacked(path: Path, file: BinaryIO, most: int = MOST_BYTES) -> bytearray:
                 if len(data) > most:
                     raise _too_large(path, f"more than {most} bytes, unpacked", most)
     except (OSError, EOFError, zlib.error) as error:
-        raise InputError(str(path), f"unreadable ({error})", "a whole gzip file is accepted") from None
+        raise InputError(str(path), f"unreadable ({error})", "a whole gzip file") from None
     return data
 
 
 def _too_large(path: Path, found: str, most: int) -> InputError:
-    return InputError(str(path), found, f"at most {most} are accepted")
+    return InputError(str(path), found, f"at most {most}")
 
 
 def parse_json(text: str | bytes | bytearray) -> Any:

@@ -13,11 +13,11 @@ def finite(where: str, value: float) -> float:
     try:
         number = float(value)
     except OverflowError:
-        raise InputError(where, "a number of more than 308 digits", "a finite number is accepted") from None
+        raise InputError(where, "a number of more than 308 digits", "a finite number") from None
     except (TypeError, ValueError):
-        raise InputError(where, f"{value!r}", "a finite number is accepted") from None
+        raise InputError(where, f"{value!r}", "a finite number") from None
     if not math.isfinite(number):
-        raise InputError(where, f"{number}", "a finite number is accepted")
+        raise InputError(where, f"{number}", "a finite number")
     return number
 
 
@@ -25,7 +25,7 @@ def positive(where: str, value: float, unit: str = "") -> float:
     """Return ``value``, or raise InputError when it is not finite and above zero."""
     number = finite(where, value)
     if number <= 0.0:
-        raise InputError(where, f"{number:g}", f"a number above 0{' ' + unit if unit else ''} is accepted")
+        raise InputError(where, f"{number:g}", f"a number above 0{' ' + unit if unit else ''}")
     return number
 
 
@@ -33,7 +33,7 @@ def not_negative(where: str, value: float, unit: str = "") -> float:
     """Return ``value``, or raise InputError when it is not finite and at least zero."""
     number = finite(where, value)
     if number < 0.0:
-        raise InputError(where, f"{number:g}", f"0 or more{' ' + unit if unit else ''} is accepted")
+        raise InputError(where, f"{number:g}", f"0 or more{' ' + unit if unit else ''}")
     return number
 
 
@@ -45,10 +45,10 @@ def vector(where: str, values: object, length: int | None = None) -> FloatArray:
     array = np.ascontiguousarray(values, dtype=np.float64)
     if array.ndim != 1 or (length is not None and array.size != length):
         wanted = f"a vector of {length} numbers" if length is not None else "a vector"
-        raise InputError(where, f"an array of shape {array.shape}", f"{wanted} is accepted")
+        raise InputError(where, f"an array of shape {array.shape}", wanted)
     bad = np.flatnonzero(~np.isfinite(array))
     if bad.size:
-        raise InputError(f"{where}, row {bad[0] + 1}", f"{array[bad[0]]}", "a finite number is accepted")
+        raise InputError(f"{where}, row {bad[0] + 1}", f"{array[bad[0]]}", "a finite number")
     if array.flags.writeable:
         array = array.copy() if array is values else array
         array.flags.writeable = False
@@ -63,5 +63,5 @@ def increasing(where: str, times: FloatArray) -> None:
         raise InputError(
             f"{where}, row {row + 1}",
             f"time {times[row]:.9g} s does not come after {times[row - 1]:.9g} s",
-            "times that increase are accepted",
+            "times that increase",
         )

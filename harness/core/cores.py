@@ -27,7 +27,7 @@ def threads() -> int:
     if asked is None:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     if not asked.isdecimal() or int(asked) < 1:
-        raise InputError(VARIABLE, repr(asked), "a whole number of at least 1 is accepted")
+        raise InputError(VARIABLE, repr(asked), "a whole number of at least 1")
     return int(asked)
 
 

@@ -4,6 +4,8 @@ import unicodedata
 from collections.abc import Iterable
 from difflib import get_close_matches
 
+TRY = "try: "
+"""Begins what is to be pasted: a command, or options of the one that was given."""
 _LONGEST = 400
 """Characters of what was found that a message repeats."""
 
@@ -24,19 +26,26 @@ class InputError(HarnessError):
     ----------
     where : the file, line, option or field that is wrong.
     found : what stood there.
-    accepted : what would have been accepted.
+    accepted : what was expected there, as a noun; "it goes with ..."; or "try: " and a line or options to paste.
     """
 
     exit_code = 2
 
     def __init__(self, where: str, found: str, accepted: str) -> None:
         found = found if len(found) <= _LONGEST else f"{found[:_LONGEST]}..."
-        super().__init__(f"{where}: {found}; {accepted}")
+        super().__init__(f"{where}: {found}{_end(accepted)}")
         self.where, self.found, self.accepted = where, found, accepted
 
     def __reduce__(self) -> tuple[type["InputError"], tuple[str, str, str]]:
         # the default would replay the joined text into a three-argument constructor
         return type(self), (self.where, self.found, self.accepted)
+
+
+def _end(accepted: str) -> str:
+    """What a message ends with, by what was expected."""
+    if accepted.startswith(TRY):
+        return f". T{accepted[1:]}"
+    return f"; {accepted}" if accepted.startswith("it ") else f"; expected {accepted}"
 
 
 class SimulationError(HarnessError):

@@ -52,7 +52,7 @@ class Events:
             object.__setattr__(self, name, vector(f"events: {name}", getattr(self, name), n))
         kind = np.ascontiguousarray(self.kind, dtype=np.int64)
         if kind.shape != (n,):
-            raise InputError("events: kind", f"shape {kind.shape}", f"a vector of {n} kinds is accepted")
+            raise InputError("events: kind", f"shape {kind.shape}", f"a vector of {n} kinds")
         kind.flags.writeable = False
         object.__setattr__(self, "kind", kind)
 

@@ -28,7 +28,7 @@ class Recording:
     covariates : further columns (n,) by name, in the units they came in, which ``units`` has too where a header says.
     file : where it came from. sha256 : of that file. units : the unit each channel was given in.
     angular : whether x or a was given as an angle. notes : what the reader did, one sentence each. columns : by
-    channel, the column of the file as --columns takes it. mended : of the notes, those on what was changed or left out.
+    channel, the column of the file as --columns takes it. mended : of the notes, those on what was changed or skipped.
     steady : whether each row is a speed v that was held, with the force u that held it; t is then the row's number.
 
     Raises InputError for fewer than 50 samples, a value not finite or out of all proportion, time that does not
@@ -52,18 +52,18 @@ class Recording:
         t = vector(f"{self.file}: column t", self.t)
         fewest = FEWEST_STEADY if self.steady else MINIMUM_SAMPLES
         if t.size < fewest:
-            raise InputError(self.file, f"{t.size} samples", f"at least {fewest} are accepted")
+            raise InputError(self.file, f"{t.size} samples", f"at least {fewest}")
         _within(f"{self.file}: column t", t, LONGEST_TIME)
         increasing(f"{self.file}: column t", t)
         interval = float(np.median(np.diff(t)))
         if interval < SHORTEST_INTERVAL:
-            accepted = f"{SHORTEST_INTERVAL:g} s or more is accepted"
+            accepted = f"{SHORTEST_INTERVAL:g} s or more"
             raise InputError(f"{self.file}: column t", f"samples {interval:.3g} s apart", accepted)
         object.__setattr__(self, "t", t)
         unknown = [name for name in self.channels if name not in CHANNELS]
         if unknown or not any(name in self.channels for name in ("x", "v", "a")):
             found = f"channels {', '.join(self.channels) or 'none'}"
-            raise InputError(self.file, found, "t and one or more of x, v, a, and u are accepted")
+            raise InputError(self.file, found, "t and one or more of x, v, a, and u")
         kept = {}
         for name in CHANNELS:
             if name in self.channels:
@@ -72,9 +72,9 @@ class Recording:
                 _within(where, values, LARGEST)
                 spread = float(np.ptp(values))
                 if name != "u" and spread == 0.0:
-                    raise InputError(where, f"the constant {values[0]:g}", "a channel that moves is accepted")
+                    raise InputError(where, f"the constant {values[0]:g}", "a channel that moves")
                 if 0.0 < spread < SMALLEST:
-                    raise InputError(where, f"a range of {spread:.3g}", f"one of {SMALLEST:g} or more is accepted")
+                    raise InputError(where, f"a range of {spread:.3g}", f"one of {SMALLEST:g} or more")
                 kept[name] = values
         object.__setattr__(self, "channels", MappingProxyType(kept))
         beside = {}
@@ -136,4 +136,4 @@ def _within(where: str, values: FloatArray, largest: float) -> None:
     beyond = np.flatnonzero(np.abs(values) > largest)
     if beyond.size:
         row = int(beyond[0])
-        raise InputError(f"{where}, row {row + 1}", f"{values[row]:g}", f"at most {largest:g} in size is accepted")
+        raise InputError(f"{where}, row {row + 1}", f"{values[row]:g}", f"at most {largest:g} in size")

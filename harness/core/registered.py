@@ -27,11 +27,9 @@ def registered(group: str, kind: type[T], what: str, name: str | None = None) ->
         try:
             found = point.load()
         except (ImportError, AttributeError, TypeError) as error:
-            raise InputError(
-                f"{what} {point.name}", f"{point.value}: {error}", "a package that loads is accepted"
-            ) from error
+            raise InputError(f"{what} {point.name}", f"{point.value}: {error}", "a package that loads") from error
         if not isinstance(found, kind):
-            accepted = f"a {kind.__module__}.{kind.__qualname__} is accepted"
+            accepted = f"a {kind.__module__}.{kind.__qualname__}"
             raise InputError(f"{what} {point.name}", f"{point.value} is {found!r}", accepted)
         yield point.name, found
 

@@ -34,7 +34,7 @@ class Slider:
         object.__setattr__(self, "f_k", not_negative("slider: f_k", self.f_k, "N"))
         f_s = self.f_k if self.f_s is None else not_negative("slider: f_s", self.f_s, "N")
         if f_s < self.f_k:
-            raise InputError("slider: f_s", f"{f_s:g} N, below f_k = {self.f_k:g} N", "f_s >= f_k is accepted")
+            raise InputError("slider: f_s", f"{f_s:g} N, below f_k = {self.f_k:g} N", "f_s >= f_k")
         object.__setattr__(self, "f_s", f_s)
 
     @property

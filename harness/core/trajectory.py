@@ -67,7 +67,7 @@ class Trajectory:
         where = f"trajectory {self.source.label}"
         t = vector(f"{where}: t", self.t)
         if t.size < 2:
-            raise InputError(where, f"{t.size} samples", "at least 2 are accepted")
+            raise InputError(where, f"{t.size} samples", "at least 2")
         increasing(where, t)
         object.__setattr__(self, "t", t)
         for name in ("x", "v", "a"):
@@ -77,7 +77,7 @@ class Trajectory:
         if self.mode is not None:
             mode = np.ascontiguousarray(self.mode, dtype=np.int8)
             if mode.shape != t.shape:
-                raise InputError(f"{where}: mode", f"shape {mode.shape}", f"a vector of {t.size} modes is accepted")
+                raise InputError(f"{where}: mode", f"shape {mode.shape}", f"a vector of {t.size} modes")
             mode.flags.writeable = False
             object.__setattr__(self, "mode", mode)
         extra = {name: vector(f"{where}: {name}", values, t.size) for name, values in self.extra.items()}

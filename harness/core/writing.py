@@ -27,21 +27,21 @@ def explained(path: Path | str) -> Iterator[None]:
 
 
 def reason(error: OSError) -> str:
-    """What a person reads of an OSError while something is written: what is wrong, and what would be accepted."""
+    """What a person reads of an OSError while something is written: what is wrong, and what is expected."""
     accepted = {
         errno.ENOSPC: "no space left on the device; free some or name another place",
         errno.EDQUOT: "the disk quota is used up; free some or name another place",
-        errno.EACCES: "no permission to write; a folder that can be written is accepted",
-        errno.EPERM: "no permission to write; a folder that can be written is accepted",
-        errno.EROFS: "a read-only file system; a folder that can be written is accepted",
-        errno.ENOTDIR: "a file stands where a folder is needed; another name is accepted",
-        errno.EEXIST: "a file stands where a folder is needed; another name is accepted",
-        errno.EISDIR: "a folder stands where a file is needed; another name is accepted",
-        errno.ENOENT: "no such folder; an existing one is accepted",
-        errno.ENAMETOOLONG: "the name is too long; a shorter one is accepted",
+        errno.EACCES: "no permission to write; expected a folder that can be written",
+        errno.EPERM: "no permission to write; expected a folder that can be written",
+        errno.EROFS: "a read-only file system; expected a folder that can be written",
+        errno.ENOTDIR: "a file stands where a folder is needed; expected another name",
+        errno.EEXIST: "a file stands where a folder is needed; expected another name",
+        errno.EISDIR: "a folder stands where a file is needed; expected another name",
+        errno.ENOENT: "no such folder; expected an existing one",
+        errno.ENAMETOOLONG: "the name is too long; expected a shorter one",
     }
     text = error.strerror or str(error)
-    return accepted.get(error.errno or 0, f"cannot be written ({text}); another place is accepted")
+    return accepted.get(error.errno or 0, f"cannot be written ({text}); expected another place")
 
 
 @contextmanager

@@ -80,7 +80,7 @@ def compared(sim: Recording, real: Recording, shift: float | None = None) -> Com
     alike = same.verdict == "same within noise"
     if alike and motion_evidence(found.real, found.difference, numbers) < DECISIVE.value:
         what = f"no motion in common: noise about a level explains it as well as {sim.file} does"
-        raise InputError(real.file, what, "two traces in which something moves are accepted")
+        raise InputError(real.file, what, "two traces in which something moves")
     if same.verdict != "different":
         return same
     located = locate(judged, found.t, motion, unit="rad" if real.angular else "m")

@@ -109,7 +109,7 @@ def prepare_together(recordings: Sequence[Recording], asked: Asked) -> tuple[Pro
     tables = [one.file for one in recordings if one.steady]
     if tables:
         found = f"{tables[0]} is a table of speeds and forces without a time"
-        raise InputError("--together", found, "recordings of a motion are accepted")
+        raise InputError("--together", found, "recordings of a motion")
     if recordings and all(is_driven(one) for one in recordings):
         return forces_together(recordings, asked)
     if any(not is_driven(one) and runs_down(one, asked.restoring) for one in recordings):
@@ -145,7 +145,7 @@ def judge(found: Found) -> Judged:
         later = after_first_turn(graded)
         if later is not None and weighed(later[0], later[1].omega).explained:
             explained, scales, left_out = later
-            note = f"the first {left_out:.4g} s, up to the first turning point, are left out: no free decay yet"
+            note = f"the first {left_out:.4g} s, up to the first turning point, are skipped: no free decay yet"
             found = _instead(found, explained, scales, note)
             return Judged(found, verdict_of(found.search))
     with suppress(SimulationError):

@@ -52,7 +52,7 @@ class ForceLaw:
         object.__setattr__(self, "params", vector("force law: params", self.params))
         object.__setattr__(self, "state", vector("force law: state", self.state))
         if self.force is None and self.level is None:
-            raise InputError("force law", "neither force nor level", "at least one of them is accepted")
+            raise InputError("force law", "neither force nor level", "at least one of them")
 
     def own(self) -> tuple[FloatArray, FloatArray]:
         """State and params of one run; writable, as MuJoCo hands them on: a law is compiled once for all engines."""
@@ -73,7 +73,7 @@ class Drive:
         t = vector("drive: t", self.t)
         increasing("drive: t", t)
         if not t.size:
-            raise InputError("drive: t", "no samples", "at least 1 is accepted")
+            raise InputError("drive: t", "no samples", "at least 1")
         object.__setattr__(self, "t", t)
         object.__setattr__(self, "u", vector("drive: u", self.u, t.size))
 
@@ -112,7 +112,7 @@ def choice(where: str, found: str, accepted: tuple[str, ...]) -> None:
     """Raise InputError when ``found`` is not one of ``accepted``; the message lists them."""
     if found not in accepted:
         near = did_you_mean(found, accepted)
-        raise InputError(where, repr(found), f"one of {', '.join(accepted)} is accepted{near}")
+        raise InputError(where, repr(found), f"one of {', '.join(accepted)}{near}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -232,7 +232,7 @@ def resolve(engine: Engine, task: Task) -> dict[str, Any]:
         if name == "dt":
             raise InputError(where, "dt among the settings", "the step is given as dt itself")
         if name not in settings:
-            raise InputError(where, "unknown", f"one of {', '.join(sorted(settings))} is accepted")
+            raise InputError(where, "unknown", f"one of {', '.join(sorted(settings))}")
         settings[name] = _like(where, settings[name], value)
     return settings
 
@@ -259,4 +259,4 @@ def _like(where: str, pattern: object, value: Any) -> Any:
         return int(number) if isinstance(pattern, int) else number
     except (TypeError, ValueError):
         kind = f"{len(pattern)} numbers" if isinstance(pattern, tuple) else type(pattern).__name__
-        raise InputError(where, repr(value), f"{kind}, such as {pattern!r}, is accepted") from None
+        raise InputError(where, repr(value), f"{kind}, such as {pattern!r}") from None

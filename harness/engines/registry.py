@@ -48,9 +48,9 @@ def check(name: str, where: str = "engine") -> None:
     """Raise InputError, about ``where``, for a name that is not registered; what follows an @ is not looked at."""
     found, bare = names(), name.partition("@")[0]
     if bare not in found:
-        accepted = f"one of {', '.join(found)} is accepted{did_you_mean(bare, found)}"
+        accepted = f"one of {', '.join(found)}{did_you_mean(bare, found)}"
         if not found:
-            accepted = "none is registered: install the package"
+            accepted = "an installed package that registers engines (none does)"
         raise InputError(where, repr(name), accepted)
 
 

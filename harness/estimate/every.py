@@ -74,10 +74,10 @@ def _checked(t: object, channels: dict[str, object]) -> tuple[FloatArray, dict[s
     time = vector("t", t)
     increasing("t", time)
     if time.size < _FEWEST:
-        raise InputError("t", f"{time.size} samples", f"at least {_FEWEST} are accepted")
+        raise InputError("t", f"{time.size} samples", f"at least {_FEWEST}")
     found = {name: vector(name, values, time.size) for name, values in channels.items() if values is not None}
     if not any(name in KINDS for name in found):
-        raise InputError("channels", "none of x, v, a", "at least one of them is accepted")
+        raise InputError("channels", "none of x, v, a", "at least one of them")
     return time, found
 
 
@@ -161,7 +161,7 @@ def _warnings(t: FloatArray, fits: dict[str, ChannelFit]) -> list[str]:
         said.append("sampling is irregular")
     for name, fit in fits.items():
         if fit.dropped:
-            said.append(f"{name}: the first period was left out")
+            said.append(f"{name}: the first period was skipped")
         ratio = math.sqrt(fit.variance / fit.inflation) / fit.noise.sigma
         if fit.noise.found and ratio > 1.5:
             said.append(

@@ -53,7 +53,7 @@ def within_range(recording: Recording, channels: Sequence[str]) -> tuple[Recordi
         unit = {"x": "rad" if recording.angular else "m", "v": "rad/s" if recording.angular else "m/s"}[name]
         many = int(np.count_nonzero(out))
         notes.append(
-            f"{name} stops at {ends} {unit} at full speed, as a sensor at its limit does: {many} samples are left out"
+            f"{name} stops at {ends} {unit} at full speed, as a sensor at its limit does: {many} samples are skipped"
         )
     return without(recording, lost, notes, "within the sensor's range"), tuple(notes)
 

@@ -29,7 +29,7 @@ def without(recording: Recording, lost: BoolArray, notes: Sequence[str], which: 
     kept = int(np.count_nonzero(~lost))
     if kept < MINIMUM_SAMPLES:
         found = f"{notes[0]}, and {kept} stay"
-        raise InputError(recording.file, found, f"at least {MINIMUM_SAMPLES} {which} are accepted")
+        raise InputError(recording.file, found, f"at least {MINIMUM_SAMPLES} {which}")
     return recording.cut(~lost)
 
 
@@ -80,7 +80,7 @@ def _said(name: str, t: FloatArray, off: FloatArray, unit: str) -> str:
     far = f"by {'up to ' if many > 1 else ''}{float(np.abs(off).max()):.2g} {unit} and"
     at = f"the first at t = {first:.6g} s" if many > 1 else f"at t = {first:.6g} s"
     stray = f"{many} samples of {name} stray" if many > 1 else f"1 sample of {name} strays"
-    return f"{stray} from the motion {far} come{'' if many > 1 else 's'} back at once ({at}): left out"
+    return f"{stray} from the motion {far} come{'' if many > 1 else 's'} back at once ({at}): skipped"
 
 
 def stray(t: FloatArray, y: FloatArray, noise: Noise) -> FloatArray:

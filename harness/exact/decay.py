@@ -49,7 +49,7 @@ class Decay:
         object.__setattr__(self, "v0", finite("decay: v0", self.v0))
         x_s = self.x_k if self.x_s is None else not_negative("decay: x_s", self.x_s, "m")
         if x_s < self.x_k:
-            raise InputError("decay: x_s", f"{x_s:g} m, below x_k = {self.x_k:g} m", "x_s >= x_k is accepted")
+            raise InputError("decay: x_s", f"{x_s:g} m, below x_k = {self.x_k:g} m", "x_s >= x_k")
         object.__setattr__(self, "x_s", x_s)
 
     @classmethod
@@ -61,7 +61,7 @@ class Decay:
     def of_scenario(cls, scenario: Scenario) -> "Decay":
         """The decay a scenario describes; InputError when something acts on its slider."""
         if scenario.action is not None:
-            raise InputError(f"scenario {scenario.name}", "an acting force or belt", "a free decay is accepted")
+            raise InputError(f"scenario {scenario.name}", "an acting force or belt", "a free decay")
         return cls.of(scenario.slider, scenario.x0, scenario.v0)
 
     @property
@@ -123,10 +123,10 @@ def schedule(decay: Decay, until: float | None = None) -> Schedule:
     omega_n, zeta = decay.omega_n, decay.zeta
     if until is None:
         if zeta < 1.0 and never_sticks(decay):
-            raise InputError("schedule: until", "none, for a slider that never sticks", "a time in s is accepted")
+            raise InputError("schedule: until", "none, for a slider that never sticks", "a time in s")
         until = math.inf
     elif not until >= 0.0:
-        raise InputError("schedule: until", f"{until}", "a time of 0 s or more is accepted")
+        raise InputError("schedule: until", f"{until}", "a time of 0 s or more")
     check_span(decay, until)
     table = segments.half_cycles(*decay.arguments, until)
     start, x, v = (np.ascontiguousarray(table[:, column]) for column in (START, POSITION, SPEED))
@@ -155,7 +155,7 @@ def check_span(decay: Decay, until: float) -> None:
     if decay.zeta < 1.0:
         limit = _MOST_HALF_CYCLES * math.pi / (decay.omega_n * math.sqrt((1.0 - decay.zeta) * (1.0 + decay.zeta)))
     if segments.walk(*decay.arguments, min(until, limit), probe) >= _MOST_HALF_CYCLES:
-        raise InputError("free decay", "more than ten million half-cycles", "a shorter time is accepted")
+        raise InputError("free decay", "more than ten million half-cycles", "a shorter time")
 
 
 def check_outputs(shape: tuple[int, ...], *arrays: FloatArray) -> None:
@@ -163,14 +163,14 @@ def check_outputs(shape: tuple[int, ...], *arrays: FloatArray) -> None:
     for array in arrays:
         if array.shape != shape or array.dtype != np.float64 or not array.flags.c_contiguous:
             found = f"an array of {array.dtype}, shape {array.shape}"
-            raise InputError("free decay: arrays", found, f"contiguous float64 of shape {shape} is accepted")
+            raise InputError("free decay: arrays", found, f"contiguous float64 of shape {shape}")
 
 
 def check_times(decay: Decay, t: FloatArray) -> None:
     """Raise InputError for times (s) that decrease or are no numbers, or span too many half-cycles."""
     row = disorder(read_only(t))
     if row >= 0:
-        raise InputError(f"free decay: t, row {row + 1}", f"{t[row]:.9g} s", "times that do not decrease are accepted")
+        raise InputError(f"free decay: t, row {row + 1}", f"{t[row]:.9g} s", "times that do not decrease")
     if t.size:
         check_span(decay, float(t[-1]))
 
@@ -233,6 +233,6 @@ def creep(slider: Slider, hold: Hold) -> float:
     Raises InputError when the load exceeds the break-away force f_s, and the slider does not hold.
     """
     if abs(hold.force) > slider.break_away:
-        accepted = f"a load of at most f_s = {slider.break_away:g} N is accepted"
+        accepted = f"a load of at most f_s = {slider.break_away:g} N"
         raise InputError("hold: force", f"{hold.force:g} N", accepted)
     return 0.0

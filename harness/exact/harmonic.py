@@ -71,7 +71,7 @@ class DrivenMotion:
         increasing("harmonic: t", times)
         if times[0] < self.table[0, START]:
             found = f"{times[0]:g} s, before the motion begins"
-            raise InputError("harmonic: t", found, f"times from {self.table[0, START]:g} s on are accepted")
+            raise InputError("harmonic: t", found, f"times from {self.table[0, START]:g} s on")
         x, v, a, mode = self.states(times)
         events = self.events()
         inside = (events.t >= times[0]) & (events.t <= times[-1])
@@ -111,7 +111,7 @@ def _system(slider: Slider, drive: Harmonic) -> System:
     in_phase, out_of_phase = (1.0 - r) * (1.0 + r), 2.0 * slider.zeta * r
     if math.hypot(in_phase, out_of_phase) < 1e-9:
         found = f"{drive.omega:g} rad/s, the natural frequency of a slider without viscous damping"
-        raise InputError("drive: omega", found, "another frequency, or c above 0, is accepted")
+        raise InputError("drive: omega", found, "another frequency, or c above 0")
     # a negative amplitude is a force half a turn later
     push, phase = abs(drive.amplitude) / slider.k, drive.phase + (math.pi if drive.amplitude < 0.0 else 0.0)
     ripple = push / math.hypot(in_phase, out_of_phase)
@@ -151,7 +151,7 @@ def continuous_amplitude(slider: Slider, drive: Harmonic) -> float:
     peak = _peak(_system(slider, drive))
     if peak is None:
         least = least_force(slider, drive.omega)
-        accepted = f"{least:.6g} N or more is accepted" if math.isfinite(least) else "another frequency is accepted"
+        accepted = f"{least:.6g} N or more" if math.isfinite(least) else "another frequency"
         raise InputError("drive: amplitude", f"{drive.amplitude:g} N, with which the slider stops", accepted)
     return peak[1]
 

@@ -105,7 +105,7 @@ def only(name: str, given: Mapping[str, float], accepted: tuple[str, ...]) -> No
     for key, value in given.items():
         if key not in accepted:
             found = f"{value:g}, given with {name}"
-            raise InputError(f"--{key.replace('_', '-')}", found, f"{', '.join(accepted)} are accepted with it")
+            raise InputError(f"--{key.replace('_', '-')}", found, f"one of {', '.join(accepted)}")
 
 
 def with_values(slider: Slider, given: Mapping[str, float]) -> Slider:
@@ -218,7 +218,7 @@ def kinds() -> Mapping[str, Kind]:
     others = (k for _, k in registered(GROUP, Kind, "scenario"))  # type: ignore[type-abstract]  # only asked for
     for one in sorted((*own, *others), key=lambda kind: kind.place):
         if one.name in found:
-            raise InputError(f"scenario {one.name}", "registered twice", "one is accepted")
+            raise InputError(f"scenario {one.name}", "registered twice", "one")
         found[one.name] = one
     return found
 
@@ -227,7 +227,7 @@ def kind(name: str) -> Kind:
     """The scenario of this name; InputError lists those there are."""
     found = kinds().get(name)
     if found is None:
-        raise InputError("scenario", repr(name), f"{', '.join(kinds())} is accepted{did_you_mean(name, kinds())}")
+        raise InputError("scenario", repr(name), f"{', '.join(kinds())}{did_you_mean(name, kinds())}")
     return found
 
 

@@ -44,9 +44,7 @@ def scenario_of(data: Mapping[str, Any]) -> Scenario:
         slider = Slider(**data["slider"])
         return Scenario(str(data["name"]), slider, release["x0"], release["v0"], data["duration_s"], action)
     except (KeyError, TypeError) as error:
-        raise InputError(
-            "scenario", f"incomplete ({error})", "a trace or row written by harness sweep is accepted"
-        ) from None
+        raise InputError("scenario", f"incomplete ({error})", "a trace or row written by harness sweep") from None
 
 
 @dataclass(frozen=True, slots=True)

@@ -49,14 +49,14 @@ def chosen(table: Table, options: ReadOptions) -> Chosen:
             found.mappings["t"] = Mapping("t", ("t",))
     mappings = found.mappings
     if not set(mappings) & {"x", "v", "a"}:
-        hint = "columns named t and one or more of x, v, a, or a choice of them by --columns, is accepted"
+        hint = "columns named t and one or more of x, v, a, or a choice of them by --columns"
         raise RefusedError(str(table.path), f"the columns {table.listed()}", hint, _others(table, options))
     if "t" not in mappings and rate is None and set(mappings) != {"v", "u"}:
-        hint = "a column t, or its sampling rate by --rate HZ, is accepted"
+        hint = "a column t, or its sampling rate by --rate HZ"
         others = _others(table, options) if columns is None else ()
         raise RefusedError(str(table.path), f"no time among the columns {table.listed()}", hint, others)
     if "t" in mappings and rate is not None:
-        accepted = "one of the two is accepted (--columns without t leaves the column out)"
+        accepted = "one of the two (--columns without t leaves the column out)"
         raise InputError("--rate", f"given although a column of {table.path} gives the time", accepted)
     commanded = _commanded(table, mappings)
     return replace(found, notes=(*found.notes, *commanded), commanded=bool(commanded))
@@ -108,7 +108,7 @@ def _by_score(table: Table, options: ReadOptions) -> Chosen | None:
     number = (options.run or 1) if len(runs) > 1 else 1
     if number > max(len(runs), 1):
         found = f"{number} of {len(runs)} in {table.path}"
-        raise InputError("--run", found, "a run that the file holds is accepted")
+        raise InputError("--run", found, "a run that the file holds")
     readings = runs[number - 1] if runs else []
     if not readings or not readings[0].clear:
         return None
@@ -125,7 +125,7 @@ def _several(table: Table, options: ReadOptions) -> Chosen:
             named = ", ".join(table.headers[i] or f"#{i + 1}" for i in positions[:_SHOWN])
             named += ", ..." if len(positions) > _SHOWN else ""
             found = f"{len(positions)} columns that may be {channel}: {named}"
-            raise RefusedError(str(table.path), found, "one of them by --columns is accepted", _others(table, options))
+            raise RefusedError(str(table.path), found, "one of them by --columns", _others(table, options))
     return Chosen({})
 
 
@@ -183,7 +183,7 @@ def as_angles(
     bare = [c for c, (_, unit) in read.items() if c in _TURNS and not unit.text]
     far = next((unit.text for c, (_, unit) in read.items() if c in _TURNS and unit.text and not unit.angular), None)
     if far is not None:
-        accepted = 'an angle is accepted; what hangs at 0.4 m turns by x / 0.4: "x=COLUMN*2.5[rad]" in --columns'
+        accepted = 'an angle; what hangs at 0.4 m turns by x / 0.4: "x=COLUMN*2.5[rad]" in --columns'
         raise InputError("--restoring", f"pendulum, but {path} holds no angle ({far})", accepted)
     if not bare:
         return read, None
@@ -191,9 +191,7 @@ def as_angles(
     turn = "deg" if float(np.nanmax(x) - np.nanmin(x)) > 2.0 * np.pi else "rad"
     if turn == "deg" and not float(np.nanmin(x)) < 0.0 < float(np.nanmax(x)):
         found = f"no unit, and values from {np.nanmin(x):.6g} to {np.nanmax(x):.6g}"
-        accepted = (
-            'an angle is accepted, "x=COLUMN[deg]" in --columns, or counts of 4096 a turn, "x=COLUMN*0.00153398[rad]"'
-        )
+        accepted = 'an angle, "x=COLUMN[deg]" in --columns, or counts of 4096 a turn, "x=COLUMN*0.00153398[rad]"'
         raise InputError(f"{path}: column x", found, accepted)
     units = {c: parse_unit("", c, turn + _TURNS[c]) for c in bare}
     turned = {c: (read[c][0] * unit.factor, unit) for c, unit in units.items()}
@@ -225,6 +223,6 @@ def _product(
             if column.size not in (1, values.size) and values.size != 1:
                 found = f"columns of {values.size} and {column.size} values"
                 where = f"{table.path}: channel {mapping.channel}"
-                raise InputError(where, found, "columns of one length are accepted")
+                raise InputError(where, found, "columns of one length")
             values = values * column
         return (values if factor == 1.0 else values * factor), unit

@@ -182,7 +182,7 @@ def quoted(name: str, position: int) -> str:
 CHANNELS = ("t", "x", "v", "a", "u")
 ACCEPTED = (
     "CHANNEL=PRODUCT[UNIT] with channel t, x, v, a or u and a product of column names, #N, #0 (the number of the row) "
-    "and numbers is accepted, "
+    "and numbers, "
     "e.g. \"t=t,x=qm[m],u=vir*35.15[N]\"; a name with other signs in it stands in quotes, t='Time (s)'"
 )
 
@@ -247,7 +247,7 @@ def _product(entry: str, text: str, quoted: list[str]) -> tuple[tuple[str, ...],
     if not names:
         raise InputError("--columns", f"'{entry}' names no column", ACCEPTED)
     if not math.isfinite(factor) or factor == 0.0:
-        raise InputError("--columns", f"'{entry}' multiplies by {factor:g}", "a finite factor other than 0 is accepted")
+        raise InputError("--columns", f"'{entry}' multiplies by {factor:g}", "a finite factor other than 0")
     return tuple(names), factor
 
 
@@ -260,7 +260,7 @@ def parse_columns(
     anything but a list of CHANNEL=PRODUCT[UNIT].
     """
     if len(text) > _LONGEST:
-        raise InputError("--columns", f"{len(text)} characters", f"at most {_LONGEST} are accepted")
+        raise InputError("--columns", f"{len(text)} characters", f"at most {_LONGEST}")
     found: dict[str, Mapping] = {}
     aside, quoted = _put_aside(text)
     for entry in (part.strip() for part in _split(aside)):
@@ -273,7 +273,7 @@ def parse_columns(
         if not known(channel):
             raise InputError("--columns", f"unknown channel '{channel}' in '{entry}'", accepted)
         if channel in found:
-            raise InputError("--columns", f"channel {channel} given twice", "each channel once is accepted")
+            raise InputError("--columns", f"channel {channel} given twice", "each channel once")
         names, factor = _product(entry, product.strip(), quoted)
         found[channel] = Mapping(channel, names, factor, unit[:-1].strip() if bracket else None)
     return found

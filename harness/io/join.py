@@ -22,13 +22,11 @@ def joined(first: Recording, others: Sequence[Recording]) -> Recording:
         both = (first.t >= t[0]) & (first.t <= t[-1])
         again = next((channel for channel in other.channels if channel in first), None)
         if again is not None:
-            accepted = (
-                f"another channel by its header, as in '{again}' for one of them, or its file's name, is accepted"
-            )
+            accepted = f"another channel by its header, as in '{again}' for one of them, or its file's name"
             raise InputError("--join", f"{first.file} and {other.file} both hold {again}", accepted)
         if not np.any(both) or first.angular != other.angular:
             found = "no time in common" if not np.any(both) else "lengths and angles"
-            raise InputError("--join", f"{found} in {first.file} and {other.file}", "files of one motion are accepted")
+            raise InputError("--join", f"{found} in {first.file} and {other.file}", "files of one motion")
         beside = {name: np.interp(first.t[both], t, values) for name, values in other.channels.items()}
         first = first.cut(both)
         said = f"{', '.join(beside)} from {PurePath(other.file).name}, at the times of {PurePath(first.file).name}."

@@ -19,7 +19,7 @@ class ReadOptions:
     """How to read a recording.
 
     columns : the text of --columns. skip_rows : lines before the header. rate : Hz, where no column gives the time.
-    start, stop : s, the part to keep (--from, --to). drop_nan : leave out rows in which a channel has no value.
+    start, stop : s, the part to keep (--from, --to). drop_nan : skip rows in which a channel has no value.
     covariates : further columns, by name (--covariate). run : which run of a file that holds several, from 1. angle :
     whether what moves turns, whatever the file says (--restoring pendulum). join : files of other signals of the same
     motion.
@@ -38,16 +38,16 @@ class ReadOptions:
 
     def __post_init__(self) -> None:
         if self.skip_rows < 0:
-            raise InputError("--skip-rows", f"{self.skip_rows}", "0 or more is accepted")
+            raise InputError("--skip-rows", f"{self.skip_rows}", "0 or more")
         if self.run is not None and self.run < 1:
-            raise InputError("--run", f"{self.run}", "1 or more is accepted")
+            raise InputError("--run", f"{self.run}", "1 or more")
         if self.rate is not None:
             positive("--rate", self.rate, "Hz")
         for name, value in (("--from", self.start), ("--to", self.stop)):
             if value is not None:
                 finite(name, value)
         if self.start is not None and self.stop is not None and self.stop <= self.start:
-            raise InputError("--to", f"{self.stop:g} s, not after --from {self.start:g} s", "a later time is accepted")
+            raise InputError("--to", f"{self.stop:g} s, not after --from {self.start:g} s", "a later time")
 
     @property
     def pasted(self) -> str:

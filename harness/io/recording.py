@@ -47,10 +47,10 @@ def _open(path: Path, options: ReadOptions) -> Table:
     if reader is not None and reader.text:
         return reader.open(path, options.skip_rows)
     if options.skip_rows:
-        raise InputError("--skip-rows", f"given for the {kind} file {path}", "it is accepted for text tables alone")
+        raise InputError("--skip-rows", f"given for the {kind} file {path}", "it goes with text tables alone")
     if reader is None:
         beside = ", and a bag of a robot's joints with --robot FILE" if kind in BAGS else ""
-        raise InputError(str(path), f"the format {kind or 'without a name'}", f"{formats()} are accepted{beside}")
+        raise InputError(str(path), f"the format {kind or 'without a name'}", f"{formats()}{beside}")
     return reader.open(path)
 
 
@@ -62,7 +62,7 @@ def _check_rows(table: Table, channel: str, values: FloatArray, rows: IntArray) 
         value = values[bad[0]]
         where = f"{table.path}: {table.row(int(rows[bad[0]]))}, column {channel}"
         found = "no value or nan" if np.isnan(value) else f"{value:g}"
-        accepted = f"at most {largest:g} in size is accepted" if np.isfinite(value) else "a finite number is accepted"
+        accepted = f"at most {largest:g} in size" if np.isfinite(value) else "a finite number"
         raise RefusedError(where, found, accepted, [{"drop_nan": True}] if np.isnan(value) else ())
 
 
@@ -79,7 +79,7 @@ def _in_order(table: Table, t: FloatArray, rows: IntArray) -> tuple[FloatArray, 
     row = table.row(int(rows[lost[0]]))
     if lost.size <= max(_MOST_LOST * t.size, 1):
         many = f"{lost.size} sample{'s' if lost.size > 1 else ''}"
-        return t, after, f"{many} whose time does not come after the one before ({row}) left out."
+        return t, after, f"{many} whose time does not come after the one before ({row}) not used."
     rate = even_rate(t)
     if rate is not None:
         again = int(np.count_nonzero(np.diff(t) == 0.0))
@@ -88,7 +88,7 @@ def _in_order(table: Table, t: FloatArray, rows: IntArray) -> tuple[FloatArray, 
         return even, np.ones(t.size, bool), f"{said}, from which none is further off than its own step."
     i = int(lost[0])
     found = f"time {t[i]:.9g} s does not come after {t[i - 1]:.9g} s"
-    raise InputError(f"{table.path}: {row}, column t", found, "times that increase are accepted")
+    raise InputError(f"{table.path}: {row}, column t", found, "times that increase")
 
 
 def _kept(path: Path, t: FloatArray, options: ReadOptions) -> slice:
@@ -98,7 +98,7 @@ def _kept(path: Path, t: FloatArray, options: ReadOptions) -> slice:
     count = max(last - first, 0)
     if count < MINIMUM_SAMPLES:
         cut = "" if count == t.size else f" between --from and --to (the file runs from {t[0]:g} s to {t[-1]:g} s)"
-        raise InputError(str(path), f"{count} samples{cut}", f"at least {MINIMUM_SAMPLES} are accepted")
+        raise InputError(str(path), f"{count} samples{cut}", f"at least {MINIMUM_SAMPLES}")
     return slice(first, last)
 
 
@@ -123,12 +123,12 @@ def read_recording(path: Path, options: ReadOptions | None = None, read_rrd: Rrd
             check_size(path, MOST_BYTES)
         digest = sha256(path)
     except OSError as error:
-        raise InputError(str(path), error.strerror or str(error), "a file that can be read is accepted") from None
+        raise InputError(str(path), error.strerror or str(error), "a file that can be read") from None
     if path.suffix.lower() == ".rrd" and read_rrd is not None:
         return _from_rrd(path, digest, options, read_rrd)
     if reader is None or reader.text:
         return _read_or_propose(path, digest, options)
-    accepted = f"a whole {kind_of(path)} file is accepted"
+    accepted = f"a whole {kind_of(path)} file"
     columns, about = read_apart(
         "harness.io.recording:columns_of", path, accepted, digest=digest, options=asdict(options)
     )
@@ -175,18 +175,18 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     sizes = {name: values.size for name, values in (*((c, y) for c, (y, _) in read.items()), *beside.items())}
     if len(set(sizes.values())) > 1:
         found = ", ".join(f"{size} values of {channel}" for channel, size in sizes.items())
-        raise InputError(str(path), found, "columns of one length are accepted")
+        raise InputError(str(path), found, "columns of one length")
     rows = np.arange(next(iter(sizes.values())))
     every = (*(values for values, _ in read.values()), *beside.values())
     mended: list[str | None] = list(table.mended)
     last = _last_value(every)
     if last < rows.size:
-        mended.append(f"The last {rows.size - last} rows, without a value in these columns, are left out.")
+        mended.append(f"The last {rows.size - last} rows, without a value in these columns, are skipped.")
         rows = rows[:last]
     whole = rows[~np.any([np.isnan(values[rows]) for values in every], axis=0)]
     if rows.size > whole.size and (options.drop_nan or rows.size - whole.size <= max(_MOST_LOST * rows.size, 1)):
         first, many = table.row(int(np.setdiff1d(rows, whole)[0])), rows.size - whole.size
-        mended.append(f"{many} rows without a value, the first of them {first}, are left out.")
+        mended.append(f"{many} rows without a value, the first of them {first}, are skipped.")
         rows = whole
     about: dict[str, Any] = {"runs": choice.runs}
     if steady or options.rate is not None:
@@ -247,7 +247,7 @@ def _run_below(t: FloatArray, rows: IntArray, options: ReadOptions, beside: int,
     runs = np.split(rows, starts[1:])
     number = 1 if beside > 1 else options.run or 1
     if number > len(runs):
-        raise InputError("--run", f"{number} of {len(runs)} in {file}", "a run that the file holds is accepted")
+        raise InputError("--run", f"{number} of {len(runs)} in {file}", "a run that the file holds")
     return runs[number - 1], len(runs)
 
 

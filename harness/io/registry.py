@@ -49,7 +49,7 @@ def by_suffix() -> Mapping[str, Reader]:
     ):
         for suffix in reader.suffixes:
             if suffix in found or suffix == OURS:
-                raise InputError(f"reader {reader.name}", f"the suffix {suffix} is taken", "another is accepted")
+                raise InputError(f"reader {reader.name}", f"the suffix {suffix} is taken", "another")
             found[suffix] = reader
     return found
 

@@ -77,7 +77,7 @@ def _reserve(name: str, out: Path | None, begun: frozenset[str] = frozenset()) -
         with explained(final):
             taken = any(entry.name not in begun for entry in final.iterdir())
         if taken:
-            raise StoreError(f"--out {out}: the folder holds files already; a new or empty one is accepted")
+            raise StoreError(f"--out {out}: the folder holds files already; expected a new or empty one")
         return final, made
     parent = Path.cwd() / DEFAULT_PARENT
     made = _make(parent)
@@ -121,9 +121,7 @@ def held(folder: Path, patience_s: float = PATIENCE_S) -> Iterator[int]:
                 fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
                 if time.monotonic() > limit:
-                    raise StoreError(
-                        f"{folder}: another process works in it; a folder of its own is accepted"
-                    ) from None
+                    raise StoreError(f"{folder}: another process works in it; expected a folder of its own") from None
                 time.sleep(0.05)
                 continue
             except OSError:  # a file system without locks

@@ -72,15 +72,15 @@ class Table(ABC):
         if name.startswith("#"):
             number = int(name[1:])
             if number > len(self.names):
-                accepted = f"#1 to #{len(self.names)} are accepted"
+                accepted = f"#1 to #{len(self.names)}"
                 raise InputError(f"{self.path}: column {name}", "no such column", accepted)
             return number - 1
         at = [i for i, existing in enumerate(self.names) if existing == name]
         at = at or [i for i, existing in enumerate(self.headers) if existing.strip() == name]
         if not at:
-            raise InputError(f"{self.path}: column {name}", "no such column", f"{self.listed()} are accepted")
+            raise InputError(f"{self.path}: column {name}", "no such column", f"{self.listed()}")
         if len(at) > 1:
-            accepted = f"one of {', '.join(f'#{i + 1}' for i in at)} is accepted"
+            accepted = f"one of {', '.join(f'#{i + 1}' for i in at)}"
             raise InputError(f"{self.path}: column {name}", f"{len(at)} columns of this name", accepted)
         return at[0]
 
@@ -151,7 +151,7 @@ def table_of_arrays(path: Path, arrays: Mapping[str, Held]) -> ArrayTable:
             label = name if len(parts) == 1 else f"{name}.{number}"
             columns[label if label not in columns else f"{label}#{len(columns) + 1}"] = source, part
     if not columns:
-        raise InputError(str(path), "no numeric array in it", "vectors t and one or more of x, v, a, u are accepted")
+        raise InputError(str(path), "no numeric array in it", "vectors t and one or more of x, v, a, u")
     return ArrayTable(path, columns, units)
 
 
@@ -162,7 +162,7 @@ def on_one_clock(path: Path, signals: Mapping[str, tuple[FloatArray, FloatArray]
     Raises InputError where there is no signal.
     """
     if not signals:
-        raise InputError(str(path), "no signal of numbers in it", "a position, a speed or an acceleration is accepted")
+        raise InputError(str(path), "no signal of numbers in it", "a position, a speed or an acceleration")
     t = max((times for times, _ in signals.values()), key=len)
     columns = {"time [s]": held(t)}
     for name, (times, values) in signals.items():

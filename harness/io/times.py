@@ -79,7 +79,7 @@ def counted_from(table: Table, mappings: dict[str, Mapping]) -> str | None:
         dated = [table.dated[i] for i in map(table.position, mapping.names) if i in table.dated]
         if dated and (channel != "t" or len(mapping.names) > 1):
             where = f"{table.path}: channel {channel}"
-            raise InputError(where, f"the time '{dated[0]}'", "numbers are accepted; times are for t alone")
+            raise InputError(where, f"the time '{dated[0]}'", "numbers; times are for t alone")
         first = dated[0] if dated else first
     return first
 

@@ -160,7 +160,7 @@ def parse_unit(where: str, channel: str, text: str | None) -> Unit:
     """
     if text is None:
         return SI
-    accepted = f"{_ACCEPTED[channel]} is accepted for {channel}"
+    accepted = f"{_ACCEPTED[channel]} for {channel}"
     if powers := _BY_POWERS.match(text.strip()):
         text = f"{powers['one']}/s" + ("^2" if powers["power"] in "2²" else "")
     gravity = _GRAVITY.match(text)
@@ -171,7 +171,7 @@ def parse_unit(where: str, channel: str, text: str | None) -> Unit:
         return Unit(text, 1.0, False)
     two = _TWOFOLD.search(text)
     if two:
-        accepted = f"{_ONE_OF[two[1].lower()]} is accepted"
+        accepted = f"{_ONE_OF[two[1].lower()]}"
         raise InputError(where, f"'{text}' is a length to some and an angle to others", accepted)
     if not text.strip() or not _PLAIN.match(text) or _LARGE_EXPONENT.search(text):
         raise InputError(where, f"'{text}' is not a unit", accepted)

@@ -34,7 +34,7 @@ class Ladder:
         code = term.law.__code__
         own = code.co_varnames[: code.co_argcount]
         if own not in (self.arguments, tuple(a for a in self.arguments if a != self.optional)):
-            raise TypeError(f"term {term.key}: law({', '.join(own)}); law({', '.join(self.arguments)}) is accepted")
+            raise TypeError(f"term {term.key}: law({', '.join(own)}); expected law({', '.join(self.arguments)})")
         return ", ".join(own)
 
     def lines(self) -> list[str]:

@@ -16,6 +16,6 @@ def laws(terms: tuple[Term, ...], *keys: str) -> tuple[Callable[..., None], ...]
     if here != list(keys):
         parts = [("without", set(here) - set(keys)), ("with", set(keys) - set(here))]
         found = ", ".join(f"{word} {', '.join(sorted(some))}" for word, some in parts if some) or "in another order"
-        accepted = "what python -m harness.kernels.generate writes is accepted"
+        accepted = "what python -m harness.kernels.generate writes"
         raise InputError("harness/kernels/dispatch.py", f"written {found}", accepted)
     return tuple(compiled(term.law, lean=True) for term in terms if term.law is not None)

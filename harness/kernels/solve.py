@@ -42,7 +42,7 @@ class Drive:
         object.__setattr__(self, "t", vector("drive: t", self.t))
         object.__setattr__(self, "u", vector("drive: u", self.u, self.t.size))
         if self.t.size == 0:
-            raise InputError("drive", "no knots", "at least one is accepted")
+            raise InputError("drive", "no knots", "at least one")
         increasing("drive: t", self.t)
 
     def within(self, begin: float, end: float) -> tuple[FloatArray, FloatArray]:
@@ -170,7 +170,7 @@ def _columns(layout: Layout, by: tuple[By, ...]) -> tuple[IntArray, FloatArray]:
             columns[q] = layout.names.index(name)
         else:
             known = ", ".join(("x0", "v0", *layout.state_names[2:], *layout.names))
-            raise InputError("sensitivities", f"{name!r} is no parameter of the model", f"one of {known} is accepted")
+            raise InputError("sensitivities", f"{name!r} is no parameter of the model", f"one of {known}")
     return columns, start
 
 
@@ -191,7 +191,7 @@ def _times(t: FloatArray, where: str = "simulation: t") -> FloatArray:
     if times.ndim == 1 and _in_order(times):
         return times
     if times.ndim != 1 or times.size == 0:
-        raise InputError(where, f"an array of shape {times.shape}", "a vector of at least one time is accepted")
+        raise InputError(where, f"an array of shape {times.shape}", "a vector of at least one time")
     if not np.isfinite(times).all():
         row = int(np.flatnonzero(~np.isfinite(times))[0])
         finite(f"{where}, row {row + 1}", float(times[row]))
@@ -199,7 +199,7 @@ def _times(t: FloatArray, where: str = "simulation: t") -> FloatArray:
     if back.size:
         row = int(back[0]) + 1
         found = f"time {times[row]:.9g} s comes before {times[row - 1]:.9g} s"
-        raise InputError(f"{where}, row {row + 1}", found, "times that do not decrease are accepted")
+        raise InputError(f"{where}, row {row + 1}", found, "times that do not decrease")
     return times
 
 

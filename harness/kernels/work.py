@@ -122,7 +122,7 @@ def workspace(
         (spec.size, MAX_SPEC, "entries"),
     ):
         if size > most:
-            raise InputError("model", f"{size} {what}", f"at most {most} are accepted")
+            raise InputError("model", f"{size} {what}", f"at most {most}")
     own = _OWN
     n, q = start.size, columns.size
     own.spec[: spec.size], own.theta[: theta.size] = spec, theta

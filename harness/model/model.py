@@ -37,16 +37,16 @@ class ModelTerm:
     def __post_init__(self) -> None:
         if len(self.values) != len(self.term.parameters):
             wanted = ", ".join(self.term.names) or "no parameter"
-            raise InputError(f"term {self.term.key}", f"{len(self.values)} parameters", f"{wanted} is accepted")
+            raise InputError(f"term {self.term.key}", f"{len(self.values)} parameters", wanted)
         for parameter, value in zip(self.term.parameters, self.values, strict=True):
             where = f"term {self.term.key}: {parameter.name}"
             finite(where, value)
             if not parameter.lower <= value <= parameter.upper:
-                accepted = f"{parameter.lower:g} to {parameter.upper:g} is accepted"
+                accepted = f"{parameter.lower:g} to {parameter.upper:g}"
                 raise InputError(where, f"{value:g}", accepted)
         start = tuple(self.internal0) or (0.0,) * self.term.internal
         if len(start) != self.term.internal:
-            wanted = f"{self.term.internal or 'no'} internal starts are accepted"
+            wanted = f"{self.term.internal or 'no'} internal starts"
             raise InputError(f"term {self.term.key}", f"{len(start)} internal starts", wanted)
         for value in start:
             finite(f"term {self.term.key}: internal start", value)
@@ -58,7 +58,7 @@ class ModelTerm:
         entry = find_term(key)
         if set(values) != set(entry.names):
             found = f"parameters {', '.join(sorted(values)) or 'none'}"
-            raise InputError(f"term {key}", found, f"{', '.join(entry.names) or 'none'} is accepted")
+            raise InputError(f"term {key}", found, f"{', '.join(entry.names) or 'none'}")
         return cls(entry, tuple(float(values[name]) for name in entry.names))
 
     def repeats(self, over: Literal["time", "travel"]) -> float | None:
@@ -115,18 +115,18 @@ class Model:
         object.__setattr__(self, "restoring", Restoring(self.restoring))
         if self.restoring is Restoring.NONE:
             if self.k != 0.0:
-                raise InputError("model: k", f"{self.k:g} with restoring none", "0 is accepted")
+                raise InputError("model: k", f"{self.k:g} with restoring none", "0")
         else:
             positive("model: k", self.k, "N/m")
         if self.f_s is not None and not_negative("model: f_s", self.f_s, "N") < self.f_k:
-            raise InputError("model: f_s", f"{self.f_s:g}, below f_k = {self.f_k:g}", "f_s >= f_k is accepted")
+            raise InputError("model: f_s", f"{self.f_s:g}, below f_k = {self.f_k:g}", "f_s >= f_k")
         for name in ("x0", "v0", "t0", "offset"):
             finite(f"model: {name}", getattr(self, name))
         object.__setattr__(self, "terms", tuple(self.terms))
         for slot in SINGLE:
             filled = [entry.term.key for entry in self.terms if entry.term.slot is slot]
             if len(filled) > 1:
-                raise InputError("model", f"{' and '.join(filled)} in slot {slot.value}", "one law is accepted there")
+                raise InputError("model", f"{' and '.join(filled)} in slot {slot.value}", "one law a slot")
 
     @property
     def has_level(self) -> bool:

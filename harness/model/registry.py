@@ -28,7 +28,7 @@ def _catalogue() -> dict[str, Term]:
     by_key: dict[str, Term] = {}
     for found in sorted((*_own(), *(t for _, t in registered(GROUP, Term, "term"))), key=lambda t: t.order):
         if found.key in by_key:
-            raise InputError(f"term {found.key}", "registered twice", "one is accepted")
+            raise InputError(f"term {found.key}", "registered twice", "one")
         by_key[found.key] = found
     return by_key
 
@@ -48,7 +48,7 @@ def term(key: str) -> Term:
     """The term of this key ("end-stop", "end-stop:positive"); InputError lists the names there are."""
     found = _BY_KEY.get(key)
     if found is None:
-        accepted = f"one of {', '.join(_BY_KEY)} is accepted{did_you_mean(key, _BY_KEY)}"
+        accepted = f"one of {', '.join(_BY_KEY)}{did_you_mean(key, _BY_KEY)}"
         raise InputError("term", f"{key!r} is not in the catalogue", accepted)
     return found
 

@@ -374,7 +374,7 @@ class Term:
     def __post_init__(self) -> None:
         lawless = self.slot in (Slot.EVENT, Slot.BREAK_AWAY, Slot.OBSERVATION)
         for wrong, why in (
-            (self.family not in FAMILIES, f"family {self.family!r}: one of {', '.join(FAMILIES)} is accepted"),
+            (self.family not in FAMILIES, f"family {self.family!r}: one of {', '.join(FAMILIES)}"),
             (len(self.example) != len(self.parameters), "example: a value for every parameter is needed"),
             ((self.law is None) != lawless, f"slot {self.slot} takes {'no law' if lawless else 'a law'}"),
             ((self.sensor is None) != (self.slot is not Slot.OBSERVATION), "a sensor belongs in slot O"),

@@ -63,7 +63,7 @@ def draw_series(kind: str, seed: int, series: int = 0, losses: Sequence[float] =
     Raises InputError for a kind that is not a single effect of a free decay, SimulationError when nothing came out.
     """
     if kind not in FAMILY or kind == "static-friction":
-        raise InputError("kind", kind, "a name of the catalogue that shows in a free decay is accepted")
+        raise InputError("kind", kind, "a name of the catalogue that shows in a free decay")
     case, loss = _faintest(kind, seed, series)
     # numbers that a model with the effect has more than the base; a law without parameters has none
     more = sum(isinstance(value, float) for values in case.effects.values() for value in values.values())
@@ -90,7 +90,7 @@ def clean_loss(case: Case) -> float:
     """Chi-square of the base fitted to the motion without noise, in units of the noise."""
     base, noise = case.base, case.noise
     if noise.correlation != 0.0 or noise.step is not None:
-        raise InputError("noise", "coloured or quantised", "white is accepted")
+        raise InputError("noise", "coloured or quantised", "white")
     seen = Seen({c: case.clean[c] for c in case.channels}, noise.sigma)
     return fit_decay(base.times, seen, (base.omega_n, base.zeta, base.x_k, base.x0, base.v0)).chi2
 

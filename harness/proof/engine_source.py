@@ -50,9 +50,9 @@ def draw_engine(
     kinds = () if kind == "control" else (kind,) if isinstance(kind, str) else kind
     for name in kinds:
         if name not in ENGINE_KINDS:
-            raise InputError("kind", name, f"control or one of {', '.join(ENGINE_KINDS)} is accepted")
+            raise InputError("kind", name, f"control or one of {', '.join(ENGINE_KINDS)}")
     if engine not in ENGINES:
-        raise InputError("engine", engine, f"one of {', '.join(ENGINES)} is accepted")
+        raise InputError("engine", engine, f"one of {', '.join(ENGINES)}")
     motion = partial(engine_motion, engine=engine)
     for _ in range(MOST_TRIES):
         plan = draw(kind, rng, noise=noise)
@@ -77,7 +77,7 @@ class Task:
         if model.branches or friction.states or (level.f_s != level.f_k and level.v_s is None):
             raise SimulationError("engine source: states of their own and break-away are not for an engine")
         if model.restoring != "spring" or model.release > 0.0:
-            raise SimulationError("engine source: a slider on its spring, free from the start, is accepted")
+            raise SimulationError("engine source: a slider on its spring, free from the start")
         self.model, self.machine = model, Machine(model)
         rates = [model.omega_n, *(force.rate for force in model.forces)]
         if model.drive is not None:

@@ -40,9 +40,9 @@ class Sizes:
         for field in fields(self):
             value = getattr(self, field.name)
             if value < 0:
-                raise InputError(f"--{field.name}", str(value), "0 or more is accepted")
+                raise InputError(f"--{field.name}", str(value), "0 or more")
         if self.total == 0:
-            raise InputError("--singles, --controls, --pairs, --outside", "0 each", "1 or more of one is accepted")
+            raise InputError("--singles, --controls, --pairs, --outside", "0 each", "1 or more of one")
 
     @property
     def total(self) -> int:

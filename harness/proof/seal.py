@@ -75,7 +75,7 @@ class Ledger:
                 raise KeyError("schema")
             return cls(said["entries"])
         except (InputError, ValueError, KeyError, TypeError):
-            raise InputError(str(path), "no transcript of a proof", f"a file of schema {SCHEMA} is accepted") from None
+            raise InputError(str(path), "no transcript of a proof", f"a file of schema {SCHEMA}") from None
 
     def broken_at(self) -> int | None:
         """Index of the first entry whose hash or chain does not hold, or None."""
@@ -91,7 +91,7 @@ class Ledger:
         """The content of the one entry of this step; InputError when there is not exactly one."""
         found = [entry["content"] for entry in self.entries if entry.get("step") == step]
         if len(found) != 1 or not isinstance(found[0], dict):
-            raise InputError(LEDGER, f"{len(found)} entries of step {step}", "exactly one is accepted")
+            raise InputError(LEDGER, f"{len(found)} entries of step {step}", "exactly one")
         return dict(found[0])
 
 
@@ -107,7 +107,7 @@ def file_of(folder: Path, name: str) -> Path:
     path = folder / name
     parts_hold = all(_NAME.fullmatch(part) for part in name.split("/"))
     if not parts_hold or not path.resolve().is_relative_to(folder.resolve()):
-        raise InputError(LEDGER, f"the file name '{name}'", "a name inside the folder of the proof is accepted")
+        raise InputError(LEDGER, f"the file name '{name}'", "a name inside the folder of the proof")
     return path
 
 

@@ -53,7 +53,7 @@ class FoundResult(Result):
     name: str
     grade: str
     share: float | None = Field(default=None, description="of the misfit beyond the noise that it explains alone")
-    holdout: float | None = Field(default=None, description="error after over before on blocks left out of the fit")
+    holdout: float | None = Field(default=None, description="error after over before on blocks held out of the fit")
     forward: float | None = Field(default=None, description="the same of a free run of the last 40 %")
 
 

@@ -66,7 +66,7 @@ class PredictionResult(Result):
 
 
 class MechanismResult(Result):
-    """One piece of physics that was left out."""
+    """One piece of physics that is missing."""
 
     name: str
     family: str
@@ -112,7 +112,7 @@ class ForcedResult(Result):
 
 
 class HoldoutResult(Result):
-    """Prediction of samples left out of the fit."""
+    """Prediction of samples held out of the fit."""
 
     spans_s: list[Span]
     baseline_rmse: Rmse
@@ -313,7 +313,7 @@ class ReadResult(Result):
 
     command: str = Field(description="the line that reads it so, whatever was guessed")
     columns: dict[str, str] = Field(description="by channel, as --columns takes them")
-    mended: list[str] = Field(description="what was changed or left out to read it, one sentence each")
+    mended: list[str] = Field(description="what was changed or skipped to read it, one sentence each")
 
 
 class DiagnosisResult(Paged):
@@ -367,6 +367,11 @@ class DiagnosisResult(Paged):
     command: str = Field(default="", description="the line that makes it again")
     machine: Machine
     files: dict[str, str] = Field(description="absolute paths")
+
+    @property
+    def has_own_simulation(self) -> bool:
+        """Whether a simulation of the user's was compared, by its trace or its model."""
+        return bool(self.settings.get("sim") or self.settings.get("model"))
 
 
 class UnreadRecording(Result):

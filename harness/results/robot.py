@@ -110,7 +110,7 @@ class JointResult(Result):
     held_out_before: float | None = Field(description="rms torque of what was not fitted, by the base")
     held_out_after: float | None = Field(description="and by the model with everything named")
     over_noise: float | None = Field(description="rms of what is left over that of the torque's noise")
-    guard_s: float | None = Field(description="left out on each side of a reversal")
+    guard_s: float | None = Field(description="skipped on each side of a reversal")
     samples: int = Field(description="that were fitted")
     curve: CurveResult | None = rare("null where too few speeds occur")
     statement: str
@@ -194,7 +194,7 @@ class ServoResult(Result):
     stall: P = Field(description="torque at rest with all of the duty")
     terms: list[ServoTermResult]
     fitted: list[ServoErrorResult] = Field(description="each log")
-    held_out: list[ServoErrorResult] = Field(description="each part that was left out, by a fit of the rest")
+    held_out: list[ServoErrorResult] = Field(description="each part that was held out, by a fit of the rest")
     floor_mrad: float = Field(description="rms of the positions' noise and steps")
     confounded: list[str] = Field(description="what goal and position cannot part, one sentence each")
     identifiable: list[ServoNumberResult]
@@ -251,7 +251,7 @@ class PreviewResult(Result):
         description="by channel, the least and the largest value in each of up to 144 equal spans of the samples"
     )
     motion: MotionResult
-    notes: list[str] = Field(description="what was guessed, mended and left out, one sentence each")
+    notes: list[str] = Field(description="what was guessed, mended and skipped, one sentence each")
 
 
 class LogResult(Paged):

@@ -41,7 +41,7 @@ class Estimates(Result):
     x_k: P
     reversals: int
     per_reversal: list[dict[str, Any]] = Field(default_factory=list)
-    guard_s: float | None = Field(default=None, description="time left out on each side of a reversal, s")
+    guard_s: float | None = Field(default=None, description="time skipped on each side of a reversal, s")
     lead_s: P | None = Field(default=None, description="by how much friction reverses before the speed does, s")
     notes: list[str] = Field(default_factory=list)
 

@@ -115,7 +115,7 @@ def _kept(mesh: Any, attribute: str, places: list[Path], found: dict[str, bytes]
 
 
 HINGE_OR_SLIDE = (mujoco.mjtJoint.mjJNT_HINGE.value, mujoco.mjtJoint.mjJNT_SLIDE.value)
-ACCEPTED = "a robot's model, MJCF or URDF, is accepted"
+ACCEPTED = "a robot's model, MJCF or URDF"
 _SECONDS = 60
 """Of a processor, for one model: hulls of large meshes take some."""
 _MODEL = "model.mjb"
@@ -198,10 +198,10 @@ def compile_text(file: str, text: bytes, meshes: dict[str, bytes]) -> Any:
     except ValueError as error:
         # it numbers the lines of a text that nobody has seen
         said = " ".join(str(error).split())
-        raise InputError(file, f"MuJoCo does not compile it ({said})", "a model that it compiles is accepted") from None
+        raise InputError(file, f"MuJoCo does not compile it ({said})", "a model that it compiles") from None
     if any("NaN" in one for one in warnings):
-        raise InputError(file, "a value that is no number (nan)", "finite numbers are accepted")
+        raise InputError(file, "a value that is no number (nan)", "finite numbers")
     if model.opt.timestep < _LEAST_STEP:
         found = f"a timestep of {model.opt.timestep:.3g} s, with which a second takes for ever"
-        raise InputError(file, found, f"at least {_LEAST_STEP:g} s is accepted")
+        raise InputError(file, found, f"at least {_LEAST_STEP:g} s")
     return model

@@ -16,7 +16,7 @@ from harness.robot.ties import Tie, coupled, moved_with
 
 _RIGID = mujoco.mjtDisableBit.mjDSBL_CONSTRAINT.value | mujoco.mjtDisableBit.mjDSBL_DAMPER.value
 _NO_GRAVITY = mujoco.mjtDisableBit.mjDSBL_GRAVITY.value
-_ACCEPTED = "a model with hinges or slides is accepted"
+_ACCEPTED = "a model with hinges or slides"
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +67,7 @@ class Arm:
         """Number of a joint among the degrees of freedom. Raises InputError that lists those there are."""
         if joint not in self.joints:
             near = did_you_mean(joint, self.joints)
-            raise InputError(where, f"{joint!r}", f"a joint of {self.file} is accepted: {', '.join(self.joints)}{near}")
+            raise InputError(where, f"{joint!r}", f"a joint of {self.file}: {', '.join(self.joints)}{near}")
         return self.joints.index(joint)
 
     def slides(self, joint: str) -> bool:

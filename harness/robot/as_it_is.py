@@ -136,7 +136,7 @@ class _Joint:
         own = [i for i in range(model.njnt) if int(model.jnt_type[i]) in HINGE_OR_SLIDE]
         names = [model.joint(i).name or f"joint {n + 1}" for n, i in enumerate(own)]
         if joint not in names:
-            raise InputError(file, f"no joint {joint!r}", f"one of {', '.join(names)} is accepted")
+            raise InputError(file, f"no joint {joint!r}", f"one of {', '.join(names)}")
         self.j = own[names.index(joint)]
         self.at, self.q = int(model.jnt_dofadr[self.j]), int(model.jnt_qposadr[self.j])
         self.slides = int(model.jnt_type[self.j]) == mujoco.mjtJoint.mjJNT_SLIDE.value

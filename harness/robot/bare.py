@@ -43,7 +43,7 @@ def read_xml(path: Path, edited: Mapping[Path, str] = MappingProxyType({})) -> S
     Raises InputError when there is none, it is too large, is no XML, or has a document type, which a model does not
     need and entities would come in by.
     """
-    check_file(path, accepted="a robot's model, MJCF or URDF, is accepted")
+    check_file(path, accepted="a robot's model, MJCF or URDF")
     other = edited.get(path.resolve())
     data = read_bytes(path, MOST_BYTES) if other is None else other.encode()
     parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False)
@@ -51,9 +51,9 @@ def read_xml(path: Path, edited: Mapping[Path, str] = MappingProxyType({})) -> S
         tree = etree.fromstring(_VERSION.sub(rb"\g<1>1.0", data), parser).getroottree()
         text = data.decode(tree.docinfo.encoding or "utf-8") if other is None else other
     except (etree.XMLSyntaxError, UnicodeDecodeError, LookupError) as error:
-        raise InputError(str(path), f"no XML ({error})", "a robot's model, MJCF or URDF, is accepted") from None
+        raise InputError(str(path), f"no XML ({error})", "a robot's model, MJCF or URDF") from None
     if tree.docinfo.doctype or tree.docinfo.internalDTD is not None:
-        raise InputError(str(path), "a document type, by which entities come in", "a model without one is accepted")
+        raise InputError(str(path), "a document type, by which entities come in", "a model without one")
     root = tree.getroot()
     return Source(path, text, _plain(root, texts=root.tag == "sdf"))
 
@@ -76,9 +76,9 @@ def with_included(path: Path, edited: Mapping[Path, str] = MappingProxyType({}))
         file = (folder / name).resolve()
         where = f"{path}: include {name or 'without a file'}"
         if not file.is_relative_to(folder):
-            raise InputError(where, "a file outside the model's folder", "one that lies in it is accepted")
+            raise InputError(where, "a file outside the model's folder", "one that lies in it")
         if file in seen or len(found) > MOST_FILES:
-            raise InputError(where, "a file included before", f"each once, and at most {MOST_FILES}, is accepted")
+            raise InputError(where, "a file included before", f"each once, and at most {MOST_FILES}")
         check_file(file, where)
         source = read_xml(file, edited)
         seen.add(file)
@@ -128,7 +128,7 @@ def _bare_urdf(file: str, root: Any, notes: list[str]) -> None:
             held.append("" if child is None else child.get("link") or "")
         elif kind not in _KNOWN:
             found = f"type {kind!r}"
-            raise InputError(f"{file}: joint {joint.get('name')}", found, f"{', '.join(_KNOWN + _FREE)} are accepted")
+            raise InputError(f"{file}: joint {joint.get('name')}", found, f"{', '.join(_KNOWN + _FREE)}")
     bearing = {parent.get("link") for joint in root.findall("joint") for parent in joint.findall("parent")}
     notes += [_HELD.format(name) for name in held if name in bearing]
     _keep(file, root, _URDF, _URDF_COMPILER)
@@ -141,9 +141,9 @@ def _check_places(where: str, part: Any) -> None:
         for name in ("xyz", "rpy") if element is not None else ():
             value = element.get(name)
             if value is not None and not _THREE.fullmatch(value):
-                raise InputError(where, f'{name}="{value}" in its <{element.tag}>', "three numbers are accepted")
+                raise InputError(where, f'{name}="{value}" in its <{element.tag}>', "three numbers")
     if len(part.findall("axis")) > 1:
-        raise InputError(where, "several <axis>", "one is accepted")
+        raise InputError(where, "several <axis>", "one")
 
 
 _THREE = re.compile(r"\s*(?:[-+.\d]\S*\s+){2}[-+.\d]\S*\s*")
@@ -163,7 +163,7 @@ def _keep(file: str, element: Any, may: Mapping[str, tuple[str, ...]], compiler:
             element.remove(child)
         else:
             found = f"<{child.tag}> in <{element.tag}>, which is no MJCF"
-            raise InputError(file, found, "a model that MuJoCo compiles is accepted")
+            raise InputError(file, found, "a model that MuJoCo compiles")
 
 
 MOST_COPIES = 1000
@@ -237,7 +237,7 @@ def bare_model(
         _bare_mjcf(path, found, path.resolve().parent, edited, fixed, touching)
     else:
         said = f"XML that begins with <{found.root.tag}>"
-        raise InputError(str(path), said, "MJCF (<mujoco>), URDF (<robot>) or SDF (<sdf>) is accepted")
+        raise InputError(str(path), said, "MJCF (<mujoco>), URDF (<robot>) or SDF (<sdf>)")
     return found
 
 
@@ -273,7 +273,7 @@ def _bare_mjcf(
                 of = "a shape of the scene is that" if touching else "a moving body has the mass"
                 instead = "the mesh" if touching else "the mesh, or an <inertial> in that body,"
                 where, found = f"{file}: mesh {name}", f"{of} of {one.get('file')}, which is not there"
-                raise InputError(where, found, f"{instead} is accepted")
+                raise InputError(where, found, instead)
             if not mesh.is_relative_to(first):
                 model.notes.append(f"the mesh {name} was read from {mesh}, outside of the model's folder")
             one.set("name", name)
@@ -285,14 +285,14 @@ def _check(file: str, root: Any) -> None:
     for tag in _NOT_RIGID:
         if (found := next(root.iter(tag), None)) is not None:
             name = found.get("name") or found.get("prefix") or ""
-            raise InputError(f"{file}: {tag} {name}".strip(), "it is no rigid body", "a chain of bodies is accepted")
+            raise InputError(f"{file}: {tag} {name}".strip(), "it is no rigid body", "a chain of bodies")
     for replicate in root.iter("replicate"):
         copies = 1
         for one in (replicate, *replicate.iterancestors("replicate")):
             count = one.get("count") or "1"
             copies *= int(count) if count.isascii() and count.isdigit() and len(count) < 10 else MOST_COPIES + 1
         if copies > MOST_COPIES:
-            raise InputError(f"{file}: replicate", f"{copies} copies", f"at most {MOST_COPIES} are accepted")
+            raise InputError(f"{file}: replicate", f"{copies} copies", f"at most {MOST_COPIES}")
 
 
 def _attached(
@@ -303,13 +303,13 @@ def _attached(
     path = (first / name).resolve()
     where = f"{file}: model {name or 'without a file'}"
     if not path.is_relative_to(first):
-        raise InputError(where, "a file outside the model's folder", "one that lies in it is accepted")
+        raise InputError(where, "a file outside the model's folder", "one that lies in it")
     if len(model.files) > MOST_FILES:
-        raise InputError(where, "too many files", f"at most {MOST_FILES} are accepted")
+        raise InputError(where, "too many files", f"at most {MOST_FILES}")
     check_file(path, where)
     part = Bare(with_included(path, edited)[0].root, model.files, model.notes)
     if part.root.tag != "mujoco" or next(part.root.iter("attach", "model"), None) is not None:
-        raise InputError(where, "no MJCF, or one that attaches another", "an MJCF that attaches none is accepted")
+        raise InputError(where, "no MJCF, or one that attaches another", "an MJCF that attaches none")
     _bare_mjcf(path, part, first, edited, fixed, touching, part=True)
     _give(asset, model, ".xml", etree.tostring(part.root))
 

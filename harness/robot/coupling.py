@@ -81,17 +81,18 @@ def _checked(arm: Arm, log: JointLog, joint: str) -> int:
     """
     if not set(arm.joints) & set(log.joints):
         found = f"joints {', '.join(log.joints)}, and {arm.file} has {', '.join(arm.joints)}"
-        raise InputError(log.file, found, "a log of the model's joints, by their names, is accepted")
+        raise InputError(log.file, found, "a log of the model's joints, by their names")
     i = arm.index(joint)
     if joint not in log.position:
-        accepted = f"a joint of the log is accepted: {', '.join(log.joints)}{did_you_mean(joint, log.joints)}"
+        accepted = f"a joint of the log: {', '.join(log.joints)}{did_you_mean(joint, log.joints)}"
         raise InputError("--joint", f"{joint!r}, whose position {log.file} does not hold", accepted)
     if arm.model.jnt_limited[i] and not arm.slides(joint):
         farthest, most = float(np.max(np.abs(log.position[joint]))), float(np.max(np.abs(arm.model.jnt_range[i])))
         if farthest > max(_MANY_TURNS, 2.0 * most) and math.radians(farthest) <= 2.0 * most:
-            found = f"positions up to {farthest:.4g} of a hinge that goes to {most:.4g} rad in {arm.file}"
-            accepted = "rad is accepted; this looks like degrees, try: --angle-unit deg"
-            raise InputError(f"{log.file}: {joint}.position", found, accepted)
+            found = (
+                f"positions up to {farthest:.4g}, as in degrees, of a hinge that goes to {most:.4g} rad in {arm.file}"
+            )
+            raise InputError(f"{log.file}: {joint}.position", found, "try: --angle-unit deg")
     return i
 
 

@@ -76,7 +76,7 @@ def _isaac(pastes: Sequence[JointPaste], slides: Callable[[str], bool]) -> str:
 def _newton(one: JointPaste) -> str:
     f, c, armature = map(_number, (one.f_k, one.c, one.armature))
     return (
-        f"i = builder.joint_qd_start[next(k for k, label in enumerate(builder.joint_label)"
+        "i = builder.joint_qd_start[next(k for k, label in enumerate(builder.joint_label)"
         f" if label.split('/')[-1] == {one.joint!r})]\n"
         f"builder.joint_friction[i], builder.joint_damping[i], builder.joint_armature[i] = {f}, {c}, {armature}"
     )

@@ -158,7 +158,7 @@ def write_bag(log: JointLog, path: Path) -> None:
         from rosbags.rosbag2 import StoragePlugin, Writer
         from rosbags.typesys import Stores, get_typestore
     except ImportError:
-        raise InputError(str(path), "rosbags, which writes it, is not installed", "a CSV is accepted") from None
+        raise InputError(str(path), "rosbags, which writes it, is not installed", "a CSV") from None
     store = get_typestore(Stores.ROS2_HUMBLE)
     kinds = ("builtin_interfaces/msg/Time", "std_msgs/msg/Header", "sensor_msgs/msg/JointState")
     stamp, header, state = (store.types[kind] for kind in kinds)

@@ -17,7 +17,7 @@ from harness.robot.arm import Arm, load_arm
 from harness.robot.reduction import reduced
 
 _SUFFIXES = (".xml", ".mjcf", ".urdf")
-_ONE = "a model of one joint is accepted (of a robot's: --robot FILE --joint NAME)"
+_ONE = "a model of one joint (of a robot's: --robot FILE --joint NAME)"
 
 
 def words(arm: Arm, joint: str) -> dict[str, Any]:
@@ -93,7 +93,7 @@ def own_model(path: Path) -> OwnModel:
     own = reduced(arm, joint)
     hangs = own.gravity > 0.0 and not own.slides and not own.upright
     if hangs and own.spring > 0.0:
-        raise InputError(f"{path}: joint {joint}", "a spring beside gravity", "a joint with one of the two is accepted")
+        raise InputError(f"{path}: joint {joint}", "a spring beside gravity", "a joint with one of the two")
     held = Restoring.PENDULUM if hangs else Restoring.SPRING if own.spring > 0.0 else Restoring.NONE
     k = own.gravity if hangs else own.spring
     slider = Model(own.moved, float(arm.damping[0]), k, float(arm.frictionloss[0]), restoring=held)

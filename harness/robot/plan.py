@@ -70,7 +70,7 @@ class Limits:
             low, high = model.jnt_range[i] if model.jnt_limited[i] else (-_TURN, _TURN)
             if not model.jnt_limited[i]:
                 if arm.slides(name):
-                    raise InputError(f"{path}: {name}", "a slide without a range", "a range of every slide is accepted")
+                    raise InputError(f"{path}: {name}", "a slide without a range", "a range of every slide")
                 notes.append(f"{name} has no range: half a turn either way is taken")
             fastest = speed or said.get(name, math.nan)
             if not fastest > 0.0 or not math.isfinite(fastest):
@@ -141,7 +141,7 @@ class Motion:
             else:
                 found = replace(found, narrow=found.narrow * _SLOWER)
         over = [n for n, u, most in zip(self.joints, found.torque(), self.limits.torque, strict=True) if u > most]
-        accepted = "--joints without them, or a larger --torque, is accepted"
+        accepted = "--joints without them, or a larger --torque"
         raise InputError(self.arm.file, f"gravity alone asks more of {', '.join(over)} than its limit", accepted)
 
     def errors(self, noise: FloatArray) -> FloatArray:

@@ -54,9 +54,9 @@ def one_joint(log: JointLog, own: Reduced) -> OneJoint:
         found = f"no {name}.effort" if effort is None else f"a {name}.effort that is {effort[0]:g} throughout"
         if pull == "none":
             why = "a slide" if own.slides else "an axis along gravity"
-            raise InputError(where, f"{found}, and nothing pulls {why} back", "an effort in N m or N is accepted")
+            raise InputError(where, f"{found}, and nothing pulls {why} back", "an effort in N m or N")
         if pull == "pendulum" and own.spring > 0.0:
-            accepted = "an effort is accepted, which distinguishes the two"
+            accepted = "an effort, which distinguishes the two"
             raise InputError(where, f"{found}, and both gravity and a spring pull it back", accepted)
     q, rest = log.position[name], own.q_ref if pull == "spring" else 0.0
     if pull == "pendulum":

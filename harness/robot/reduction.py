@@ -25,7 +25,7 @@ from harness.robot.ties import moved_with
 
 _ANGLES = 72
 """Of a whole turn, at which gravity's torque is read."""
-_ALONE = "a joint that moves by itself is accepted"
+_ALONE = "a joint that moves by itself"
 _ALIKE = 0.01
 """Share of inertia, and of gravity's torque, to which a joint that moves others by ratios is a pendulum."""
 _UPRIGHT = 1e-4
@@ -209,9 +209,9 @@ def positions(arm: Arm, held: Mapping[str, float]) -> FloatArray:
     q = np.array(arm.model.qpos0)
     for name, value in held.items():
         if name not in arm.joints:
-            accepted = f"joints of {arm.file} are accepted: {', '.join(arm.joints)}{did_you_mean(name, arm.joints)}"
+            accepted = f"joints of {arm.file}: {', '.join(arm.joints)}{did_you_mean(name, arm.joints)}"
             raise InputError("held joint", f"{name!r}", accepted)
         if not math.isfinite(value):
-            raise InputError(f"held joint {name}", f"{value}", "a finite position is accepted")
+            raise InputError(f"held joint {name}", f"{value}", "a finite position")
         q[arm.joints.index(name)] = value
     return q

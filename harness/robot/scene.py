@@ -29,7 +29,7 @@ from harness.robot.paste import tags, with_attributes
 
 Options = Mapping[str, Any]
 
-ACCEPTED = "a scene that MuJoCo compiles (MJCF) is accepted"
+ACCEPTED = "a scene that MuJoCo compiles (MJCF)"
 CREEP = 1e-5
 """m/s: slower than this a body counts as resting; it takes a hundred seconds for a millimetre."""
 TURN = 1e-3
@@ -175,7 +175,7 @@ def columns_of(path: Path, body: str | None, duration: float) -> Found:
 def _compiled(path: Path, edited: Mapping[Path, str] = MappingProxyType({})) -> tuple[Any, list[str]]:
     if with_included(path)[0].root.tag == "robot":
         found = "a URDF, which is one robot: it has neither options nor what it touches"
-        raise InputError(str(path), found, f"an MJCF is accepted, or a joint; try: harness run --robot {path}")
+        raise InputError(str(path), found, f"try: harness run --robot {path}")
     return prepared(path, edited, fixed=False, touching=True)
 
 
@@ -298,7 +298,7 @@ def _body(path: Path, model: Any, name: str | None) -> int:
     names = [str(model.body(i).name) for i in moving]
     free = [i for i in moving if model.body_dofnum[i] == 6]
     if not names:
-        raise InputError(str(path), "no body with a name that moves", "a scene with one is accepted")
+        raise InputError(str(path), "no body with a name that moves", "a scene with one")
     if name is None and len(free) == 1:
         return free[0]
     if name in names:

@@ -13,7 +13,7 @@ from lxml import etree
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 
-_ACCEPTED = "one model of links, and hinges, slides and fixed joints between them, is accepted"
+_ACCEPTED = "one model of links, and hinges, slides and fixed joints between them"
 _WORLD, _ROOT, _MODEL = "world", "__world__", ("", "__model__")
 _KINDS = {
     "revolute": "revolute",
@@ -93,7 +93,7 @@ class _Frames:
         kinds = ("link", "joint", "frame")
         found = next((one for one in self.model if one.tag in kinds and one.get("name") == name), None)
         if found is None or depth > _DEEPEST:
-            raise InputError(self.file, f"no frame {name!r}", f"frames of the model's own are known, and {_ACCEPTED}")
+            raise InputError(self.file, f"no frame {name!r}", f"a frame of the model, and {_ACCEPTED}")
         return self._at(found, depth + 1)
 
     def _link(self, robot: Any, link: Any, name: str, shift: FloatArray) -> None:

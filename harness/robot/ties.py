@@ -58,7 +58,7 @@ def coupled(model: Any) -> Coupled:
         bodies = [int(model.site_bodyid[one]) if site else one for one in both]
         hand = next((b for b in bodies if model.body_mocapid[model.body_rootid[b]] >= 0), None)
         if hand is not None:
-            notes.append(f"{said} is left out: {model.body(hand).name} is a simulation's hand on the robot")
+            notes.append(f"{said} is not used: {model.body(hand).name} is a simulation's hand on the robot")
             continue
         alone |= dict.fromkeys(_between(model, bodies), f"{said} closes a loop that it is in")
     forces = (model.tendon_stiffness, model.tendon_damping, model.tendon_frictionloss, model.tendon_armature)

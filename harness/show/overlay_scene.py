@@ -40,7 +40,7 @@ def overlay_scene(traces: Mapping[str, StoredTrace]) -> s.Scene:
     turning = {name: _turns(trace) for name, trace in traces.items()}
     if len(set(turning.values())) > 1:
         found = ", ".join(f"{name} {'turns' if turns else 'slides'}" for name, turns in turning.items())
-        raise InputError("view", found, "traces of one kind of motion are accepted together")
+        raise InputError("view", found, "traces of one kind of motion together")
     motions = _motions(traces)
     hues = iter(_hues([one for one in motions if not one.reference]))
     references = [one.of for one in motions if one.reference]

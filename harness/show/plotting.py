@@ -39,13 +39,13 @@ def plot(result: Paged, name: str | None, library: str | None) -> Any:
     figures = {figure.name: figure for figure in _figures(result)}
     if not figures:
         found = "the motions are not in it: it was read from a file, or has no plot"
-        raise InputError("plot", found, "make the result in this session, such as harness.diagnose(FILE).plot()")
+        raise InputError("plot", found, "a result made in this session, such as harness.diagnose(FILE).plot()")
     name = next(iter(figures)) if name is None else name
     if name not in figures:
         raise InputError("plot", f"{name!r} is none", f"one of {', '.join(figures)}{did_you_mean(name, figures)}")
     library = library or next((one for one in LIBRARIES if find_spec(one) is not None), LIBRARIES[0])
     if library not in LIBRARIES:
-        raise InputError("plot: library", f"{library!r} is not known", f"{' or '.join(LIBRARIES)} is accepted")
+        raise InputError("plot: library", f"{library!r} is not known", f"{' or '.join(LIBRARIES)}")
     if find_spec(library) is None:
         raise InputError("plot", f"{library} is not installed", f"try: pip install {library}")
     return (_in_plotly if library == "plotly" else _in_matplotlib)(figures[name])

@@ -158,7 +158,7 @@ def poured(path: Path) -> Iterator[Pipe]:
         pipe.close()
 
 
-ACCEPTED = "a whole .rrd written by this program is accepted"
+ACCEPTED = "a whole .rrd written by this program"
 
 
 class StoredTrace(NamedTuple):
@@ -179,7 +179,7 @@ def read_trace(path: Path) -> StoredTrace:
     Raises InputError when the file is missing, no .rrd, cut short, or not written by this program.
     """
     if not path.is_file():
-        raise InputError(str(path), "no such file", "a .rrd written by this program is accepted")
+        raise InputError(str(path), "no such file", "a .rrd written by this program")
     return stored_of(*read_apart("harness.show.trace:columns_of", path, ACCEPTED))
 
 

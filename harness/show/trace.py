@@ -89,7 +89,7 @@ def write_trace(path: Path, scene: s.Scene) -> None:
         try:  # a file without its closing manifest was cut short, whatever the library has said
             _reader(part).store()
         except (RerunWarning, ValueError, OSError, RuntimeError) as error:
-            raise StoreError(f"{path}: could not be written to its end; room on the disk is accepted") from error
+            raise StoreError(f"{path}: could not be written to its end; expected room on the disk") from error
 
 
 def _stream(pipe: Pipe, scene: s.Scene) -> None:
@@ -144,7 +144,7 @@ def columns_of(path: Path) -> Found:
     except RerunWarning:
         raise InputError(str(path), "was cut short", ACCEPTED) from None
     if not blobs:
-        raise InputError(str(path), "holds no trajectory of this program", "a .rrd written by it is accepted")
+        raise InputError(str(path), "holds no trajectory of this program", "a .rrd written by it")
     columns: dict[str, FloatArray] = {}
     about: list[dict[str, Any]] = []
     for name, data in sorted(blobs.items()):
@@ -260,10 +260,10 @@ def _send_body(path: str, item: s.Body, recording: rr.RecordingStream) -> None:
     try:
         tree = UrdfTree.from_file_path(item.urdf, path.strip("/"), frame_prefix=frame)
     except (ValueError, OSError, RuntimeError) as error:
-        raise InputError(str(item.urdf), f"cannot be read ({error})", "a URDF file is accepted") from None
+        raise InputError(str(item.urdf), f"cannot be read ({error})", "a URDF file") from None
     joint = next((j for j in tree.joints() if j.joint_type in ("prismatic", "revolute", "continuous")), None)
     if joint is None:
-        raise InputError(str(item.urdf), "no joint that moves", "a URDF with a sliding or turning joint is accepted")
+        raise InputError(str(item.urdf), "no joint that moves", "a URDF with a sliding or turning joint")
     tree.log_urdf_to_recording(recording)
     _dress(recording, tree, joint.child_link, _rgb(item.color))
     root = tree.root_link()

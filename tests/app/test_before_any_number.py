@@ -85,7 +85,7 @@ def test_a_wrong_scale_or_a_limit_is_told(change: Callable[[Channels], Channels]
 
 
 def test_a_channel_of_the_other_sign_is_refused_with_what_mends_it() -> None:
-    with pytest.raises(InputError, match=r"try: --columns 'a=-1\*a'"):
+    with pytest.raises(InputError, match=r"Try: --columns 'a=-1\*a'"):
         harness.identify(changed(lambda y: {"a": -y["a"]}))
 
 

@@ -55,9 +55,9 @@ def test_the_bound_of_few_cycles_is_that_of_random_directions() -> None:
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["few-cycles", "--draws", "0"], "--draws: 0; a whole number of at least 1 is accepted"),
-        (["few-cycles", "--jobs", "-1"], "--jobs: -1; a whole number of at least 1 is accepted"),
-        (["few-cycles", "--plant", "."], "--plant: given with few-cycles; it is accepted with tables"),
+        (["few-cycles", "--draws", "0"], "--draws: 0; expected a whole number of at least 1"),
+        (["few-cycles", "--jobs", "-1"], "--jobs: -1; expected a whole number of at least 1"),
+        (["few-cycles", "--plant", "."], "--plant: given with few-cycles; it goes with tables"),
     ],
 )
 def test_options_that_do_not_go_are_refused(

@@ -221,7 +221,7 @@ def test_traces_of_a_run_are_compared_by_name(done: tuple[RunResult, Path], tmp_
     ("scale", "start", "message"),
     [
         (1e-6, 1e3, "e+06 periods"),
-        (1e-4, 0.0, "time alignment: traces that overlap nowhere; two traces of one motion are accepted"),
+        (1e-4, 0.0, "time alignment: traces that overlap nowhere; expected two traces of one motion"),
     ],
 )
 def test_traces_that_share_no_time_are_told_so(tmp_path: Path, scale: float, start: float, message: str) -> None:
@@ -319,7 +319,7 @@ def test_a_recording_lies_over_a_recording(folder: Path, tmp_path: Path) -> None
 
 
 BAD = [
-    (("coarse",), "1 traces; 2 to 10 are accepted"),
+    (("coarse",), "1 traces; expected 2 to 10"),
     (("coarse", "coarse"), "given twice"),
     (("coarse", "nowhere"), "no such file"),
     (("coarse", "swing"), "coarse slides, swing turns; traces of one kind of motion"),

@@ -197,7 +197,7 @@ def stand_in(work: Work) -> Answer:
     if "long" in text:
         time.sleep(600)
     if "bad" in text:
-        return failed(work.label, "bad.csv: 0 rows; at least 50 are accepted")
+        return failed(work.label, "bad.csv: 0 rows; expected at least 50")
     work.folder.mkdir(exist_ok=True)
     report = work.folder / FILES["report"]
     report.write_text("")
@@ -224,7 +224,7 @@ def test_answers_keep_the_order_and_a_bad_file_does_not_stop_the_rest(tmp_path: 
         "schema": "harness.diagnosis/2",
         "recording": {"file": str(tmp_path / "bad.csv")},
         "verdict": "error",
-        "error": "bad.csv: 0 rows; at least 50 are accepted",
+        "error": "bad.csv: 0 rows; expected at least 50",
         "mechanisms": [],
     }
     page = (tmp_path / "out" / "index.html").read_text()
@@ -285,7 +285,7 @@ def test_a_file_that_cannot_be_read_is_an_entry(tmp_path: Path) -> None:
     (tmp_path / "two.csv").write_text("t,x\n0,1\n1,2\n")
     answer = compute(Work(tmp_path / "two.csv", "two.csv", tmp_path / "out"))
     assert not isinstance(answer, DiagnosisResult)
-    assert answer.error == "two.csv: 2 samples; at least 50 are accepted"
+    assert answer.error == "two.csv: 2 samples; expected at least 50"
     assert not (tmp_path / "out").exists()
 
 
@@ -300,7 +300,7 @@ def test_the_file_and_what_may_be_asked_are_named(tmp_path: Path, monkeypatch: p
     with pytest.raises(SimulationError) as caught:
         diagnose(file, DiagnoseOptions(), tmp_path / "out")
     assert str(caught.value) == (
-        f"{file}: the model could not be followed beyond t = 0.3 s: it diverged; a part of it (--from, --to), or"
-        " another --restoring or --zero, may be accepted"
+        f"{file}: the model could not be followed beyond t = 0.3 s: it diverged; expected a part of it"
+        " that can (--from, --to), or another --restoring or --zero"
     )
     assert not (tmp_path / "out").exists()

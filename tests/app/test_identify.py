@@ -79,7 +79,9 @@ def test_a_trace_of_a_run_is_a_recording(done: tuple[RunResult, Path], tmp_path:
     found = identify(folder / "trace.rrd", ReadOptions(), "mujoco tuned", tmp_path / "out")
     wanted = next(t for t in result.traces if (t.source, t.preset) == ("mujoco", "tuned"))
     assert found.estimates == wanted.estimates
-    with pytest.raises(InputError, match="no --trace among 5; --trace with one of reference exact, mujoco as-shipped"):
+    with pytest.raises(
+        InputError, match="no --trace among 5; expected --trace with one of reference exact, mujoco as-shipped"
+    ):
         identify(folder / "trace.rrd", ReadOptions(), out=tmp_path / "other")
 
 

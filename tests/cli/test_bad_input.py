@@ -1,4 +1,4 @@
-"""Bad input and hostile files: one line on standard error (where, what, what is accepted), exit 2, nothing else."""
+"""Bad input and hostile files: one line on standard error (where, what, what to do), exit 2, nothing else."""
 
 import json
 import os
@@ -105,6 +105,30 @@ def test_bad_input_is_one_line_and_exit_2(line: str, message: str, capfd: pytest
     assert code == 2
 
 
+@pytest.mark.parametrize(
+    ("line", "meant"),
+    [
+        ("identfy good.csv", "identify good.csv"),
+        ("identify god.csv", "identify good.csv"),
+        ("identify good.csv --colums x=x", "identify good.csv --columns x=x"),
+        ("run --engine mujco", "run --engine mujoco"),
+        ("run --joint elbow --m 2", "run --m 2"),
+        ("run --joint=elbow --m 2", "run --m 2"),
+        ("diagnose good.csv --resume", "diagnose good.csv"),
+        ("identify", "identify --help"),
+    ],
+)
+@pytest.mark.usefixtures("desk")
+def test_an_error_ends_in_the_command_that_was_meant(
+    line: str, meant: str, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["harness", *line.split()])
+    assert run(line.split()) == 2
+    assert capfd.readouterr().err.endswith(f" Try: harness {meant}\n")
+    words = meant.split()
+    assert run(words if words[-1] == "--help" else [*words, "--help"]) == 0
+
+
 @pytest.mark.parametrize("size", ["200k", "2m"])
 def test_a_full_disk_is_one_line_and_leaves_nothing(
     size: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
@@ -132,7 +156,7 @@ def test_a_full_disk_is_one_line_and_leaves_nothing(
     ("line", "code", "message"),
     [
         ("doctor", 0, ""),
-        ("doctor --json -", 2, "harness: --json -: standard output is closed; an open one, or a file, is accepted\n"),
+        ("doctor --json -", 2, "harness: --json -: standard output is closed; expected an open one, or a file\n"),
     ],
 )
 def test_a_closed_standard_output(line: str, code: int, message: str) -> None:
@@ -152,7 +176,7 @@ def test_a_full_standard_output_is_one_line() -> None:
             check=False,
             cwd=CHECKOUT,
         )
-    assert done.stderr == "harness: output: No space left on device; another place is accepted\n"
+    assert done.stderr == "harness: output: No space left on device; expected another place\n"
     assert done.returncode == 2
 
 
@@ -196,7 +220,7 @@ def test_a_name_that_is_no_text_is_refused(tmp_path: Path) -> None:
     command = [os.fsencode(sys.executable), b"-m", b"harness.cli", b"identify", name, b"--json", b"-"]
     done = subprocess.run(command, capture_output=True, check=False, cwd=Path(__file__).resolve().parents[2])
     assert (done.returncode, done.stdout) == (2, b"")
-    assert done.stderr.endswith(b"bad\\udcff.csv: bytes that are no text in utf-8; a name that is text is accepted\n")
+    assert done.stderr.endswith(b"bad\\udcff.csv: bytes that are no text in utf-8; expected a name that is text\n")
 
 
 def test_what_is_not_asked_for_is_not_read(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

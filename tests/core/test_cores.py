@@ -94,7 +94,7 @@ def test_how_many(monkeypatch: pytest.MonkeyPatch) -> None:
     assert threads() >= 1
     for bad in ("0", "many", "-1", "1.5", ""):
         monkeypatch.setenv(VARIABLE, bad)
-        with pytest.raises(InputError, match="a whole number of at least 1 is accepted"):
+        with pytest.raises(InputError, match="a whole number of at least 1"):
             threads()
     monkeypatch.setenv(VARIABLE, "7")
     one_thread()
@@ -164,9 +164,9 @@ def test_what_would_be_obeyed_is_escaped(text: str, shown: str) -> None:
 
 @given(st.text(), st.text(max_size=30))
 def test_an_error_is_one_line_of_text(found: str, where: str) -> None:
-    said = str(InputError(where, found, "this is accepted"))
+    said = str(InputError(where, found, "this"))
     said.encode()
     assert "\n" not in said
     assert not any(ord(c) < 32 or 127 <= ord(c) < 160 for c in said)
-    assert said.endswith("this is accepted")
+    assert said.endswith("this")
     assert len(said) < 6000

@@ -157,7 +157,7 @@ def test_columns_are_read_by_name_in_every_format(tmp_path: Path) -> None:
         assert found.covariates["P"] == pytest.approx(pressure(t[10:]))
         assert found.cut(slice(0, 60)).covariates["P"].size == 60
     assert read_recording(text, ReadOptions(covariates=("P",))).units["P"] == "bar"
-    with pytest.raises(InputError, match="column Q: no such column; t, x, u, P are accepted"):
+    with pytest.raises(InputError, match="column Q: no such column; expected t, x, u, P"):
         read_recording(text, ReadOptions(covariates=("Q",)))
 
 

@@ -188,7 +188,7 @@ def position() -> Recording:
 
 
 REFUSED: list[tuple[list[Recording], str]] = [
-    ([seen(AXIS, 0)], "drive-0.csv alone; two recordings of one machine or more"),
+    ([seen(AXIS, 0)], "drive-0.csv alone; expected two recordings of one machine or more"),
     ([seen(AXIS, 0), decay()], "drive-0.csv is driven and decay.csv a free decay; .*not both"),
     ([position(), speed()], "position.csv has x, speed.csv has v; recordings with a channel in common"),
     ([seen(AXIS, 0), replace(seen(AXIS, 1), angular=True)], "drive-1.csv turns, drive-0.csv slides"),
@@ -207,7 +207,7 @@ def test_channels_that_not_all_have_are_left_out_and_said() -> None:
     with_speed = replace(first, channels={**first.channels, "v": np.gradient(first["x"], first.t)})
     problem, notes = forces_together([with_speed, second], Asked(AXIS.restoring))
     assert list(problem.channels) == ["x"]
-    assert any("v is left out" in note for note in notes)
+    assert any("v is not used" in note for note in notes)
 
 
 @pytest.mark.full

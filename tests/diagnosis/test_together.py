@@ -175,7 +175,7 @@ def test_channels_that_not_all_have_are_left_out_and_said() -> None:
     with_speed = replace(first, channels={**first.channels, "v": np.gradient(first["x"], first.t)})
     problem, notes = prepare_together([with_speed, second], ASKED)
     assert list(problem.channels) == ["x"]
-    assert any("v is left out" in note for note in notes)
+    assert any("v is not used" in note for note in notes)
 
 
 def driven() -> Recording:
@@ -194,7 +194,7 @@ def later() -> Recording:
 
 
 REFUSED: list[tuple[list[Recording], str]] = [
-    ([seen(BASE, 0.1, 0.0, 1e-4, 1)], "from-100-mm.csv alone; two recordings of one machine or more"),
+    ([seen(BASE, 0.1, 0.0, 1e-4, 1)], "from-100-mm.csv alone; expected two recordings of one machine or more"),
     ([seen(BASE, 0.1, 0.0, 1e-4, 1), driven()], "driven.csv is driven and from-100-mm.csv a free decay; free decays"),
     ([seen(BASE, 0.1, 0.0, 1e-4, 1), speed_alone()], "with a channel in common"),
     ([seen(BASE, 0.1, 0.0, 1e-4, 1), replace(seen(BASE, 0.1, 0.0, 1e-4, 2), angular=True)], "turns"),

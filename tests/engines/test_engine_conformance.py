@@ -173,12 +173,12 @@ def test_a_route_an_engine_does_not_have_is_refused() -> None:
 
 
 BAD: list[tuple[dict[str, Any], str]] = [
-    ({"dt": 0.0}, "dt: 0; a number above 0 s is accepted"),
-    ({"dt": -1e-3}, "dt: -0.001; a number above 0 s is accepted"),
-    ({"dt": float("nan")}, "dt: nan; a finite number is accepted"),
-    ({"route": "glue"}, "route: 'glue'; one of joint, contact, law is accepted"),
-    ({"preset": "best"}, "preset: 'best'; one of as-shipped, tuned is accepted"),
-    ({"settings": {"stickiness": 1.0}}, "setting stickiness: unknown; one of "),
+    ({"dt": 0.0}, "dt: 0; expected a number above 0 s"),
+    ({"dt": -1e-3}, "dt: -0.001; expected a number above 0 s"),
+    ({"dt": float("nan")}, "dt: nan; expected a finite number"),
+    ({"route": "glue"}, "route: 'glue'; expected one of joint, contact, law"),
+    ({"preset": "best"}, "preset: 'best'; expected one of as-shipped, tuned"),
+    ({"settings": {"stickiness": 1.0}}, "setting stickiness: unknown; expected one of "),
     ({"settings": {"dt": 1.0}}, "the step is given as dt itself"),
 ]
 

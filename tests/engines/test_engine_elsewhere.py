@@ -87,7 +87,7 @@ def test_a_death_is_told_and_the_next_question_starts_another_process(dying: Wor
 BAD = [
     ("mujoco@/no/such/python", InputError, "engine @/no/such/python: no program; NAME@PYTHON with the path of"),
     ("mujoco@/bin/true", SimulationError, "engine mujoco@/bin/true: /bin/true: its process ended with code 0"),
-    ("bullet@python", InputError, "engine: 'bullet@python'; one of "),
+    ("bullet@python", InputError, "engine: 'bullet@python'; expected one of "),
 ]
 
 
@@ -210,7 +210,7 @@ def test_the_main_job_runs_and_names_what_is_left_out(tmp_path: Path, capfd: pyt
     out, _ = capfd.readouterr()
     assert "mujoco tuned" in out
     assert "pybullet tuned" not in out
-    assert "- pybullet is left out: it has no wheel for this Python" in out
+    assert "- pybullet is not run: it has no wheel for this Python" in out
 
 
 @pytest.mark.usefixtures("pybullet")

@@ -59,16 +59,16 @@ def test_as_shipped_they_move_as_mujoco_to_the_rounding_of_their_numbers(
 
 
 REFUSED: list[tuple[str, dict[str, Any], str]] = [
-    ("mjx", {"noslip_iterations": 10}, "unknown; one of"),
-    ("mjx", {"integrator": "implicit"}, "one of Euler, RK4, implicitfast is accepted"),
-    ("mjx", {"integrator": "discrete"}, "one of Euler, RK4, implicitfast is accepted"),
-    ("mjx", {"solver": "PGS"}, "one of CG, Newton is accepted"),
-    ("mjx", {"precision": 16}, "32 or 64 is accepted"),
-    ("mjx", {"device": "tpu"}, "one of cpu, gpu is accepted"),
-    ("warp", {"integrator": "discrete"}, "one of Euler, RK4, implicit, implicitfast is accepted"),
-    ("warp", {"solver": "PGS"}, "one of CG, Newton is accepted"),
-    ("warp", {"precision": 64}, "unknown; one of"),
-    ("warp", {"device": "tpu"}, "one of cpu, gpu is accepted"),
+    ("mjx", {"noslip_iterations": 10}, "unknown; expected one of"),
+    ("mjx", {"integrator": "implicit"}, "one of Euler, RK4, implicitfast"),
+    ("mjx", {"integrator": "discrete"}, "one of Euler, RK4, implicitfast"),
+    ("mjx", {"solver": "PGS"}, "one of CG, Newton"),
+    ("mjx", {"precision": 16}, "32 or 64"),
+    ("mjx", {"device": "tpu"}, "one of cpu, gpu"),
+    ("warp", {"integrator": "discrete"}, "one of Euler, RK4, implicit, implicitfast"),
+    ("warp", {"solver": "PGS"}, "one of CG, Newton"),
+    ("warp", {"precision": 64}, "unknown; expected one of"),
+    ("warp", {"device": "tpu"}, "one of cpu, gpu"),
 ]
 
 

@@ -148,7 +148,7 @@ def test_files_are_written_whole_with_the_list_beside_them(tmp_path: Path) -> No
 
 
 def test_bad_formats_and_folders_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="model format: 'sdf'; one of xml, urdf is accepted"):
+    with pytest.raises(InputError, match="model format: 'sdf'; expected one of xml, urdf"):
         model_files.cannot_say(BASE, "sdf")
     (tmp_path / "file").write_text("")
     with pytest.raises(StoreError, match="cannot write the models"):

@@ -51,7 +51,7 @@ def test_what_is_left_is_read_as_if_nothing_had_been_cut_off() -> None:
 
 def test_a_recording_that_is_cut_off_lacks_no_physics() -> None:
     problem, notes = prepare(decay(0.04), Asked())
-    assert notes[0].endswith("66 samples are left out")
+    assert notes[0].endswith("66 samples are skipped")
     found = diagnose(problem)
     assert found.verdict == "adequate"
     assert found.base.model.f_k == pytest.approx(0.25, rel=2e-3)
@@ -258,8 +258,7 @@ def test_what_is_left_is_diagnosed_as_if_nothing_had_strayed() -> None:
     problem, notes = prepare(lost(swing()), asked)
     (said,) = [note for note in notes if "stray" in note]
     assert said == (
-        "12 samples of x stray from the motion by up to 0.021 m and come back at once"
-        " (the first at t = 0.2 s): left out"
+        "12 samples of x stray from the motion by up to 0.021 m and come back at once (the first at t = 0.2 s): skipped"
     )
     assert problem.t.size == swing().t.size - 12
     outcome = diagnose(problem)

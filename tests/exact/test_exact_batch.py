@@ -30,7 +30,7 @@ def test_every_row_is_bitwise_the_single_decay(threads: int | None) -> None:
 def test_the_row_that_is_no_slider_is_named() -> None:
     parameters = stack(sliders(4))
     parameters[2, 1] = -0.5
-    with pytest.raises(InputError, match=r"^batch, row 3, decay: zeta: -0.5; 0 or more is accepted$"):
+    with pytest.raises(InputError, match=r"^batch, row 3, decay: zeta: -0.5; expected 0 or more$"):
         fill_batch(parameters, 0.0, 0.1, *np.empty((3, 4, 5)))
 
 

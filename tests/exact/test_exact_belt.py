@@ -106,8 +106,8 @@ def test_steady_sliding_says_why(slider: Slider, why: str) -> None:
 
 
 def test_belt_and_hold_refuse_what_they_are_not_for() -> None:
-    with pytest.raises(InputError, match=r"belt: speed: 0; a number above 0 m/s is accepted"):
+    with pytest.raises(InputError, match=r"belt: speed: 0; expected a number above 0 m/s"):
         limit_cycle(CHECKED, 0.0)
-    with pytest.raises(InputError, match=r"hold: force: 3.5 N; a load of at most f_s = 3 N is accepted"):
+    with pytest.raises(InputError, match=r"hold: force: 3.5 N; expected a load of at most f_s = 3 N"):
         creep(PAPER, Hold(3.5))
     assert creep(PAPER, Hold(-2.91)) == 0.0

@@ -232,17 +232,23 @@ def test_higher_break_away_sticks_earlier_at_the_same_turning_points() -> None:
 @pytest.mark.parametrize(
     ("build", "message"),
     [
-        (lambda: Decay(0, 0.1, 0.1), "decay: omega_n: 0; a number above 0 rad/s is accepted"),
-        (lambda: Decay(1, -0.1, 0.1), "decay: zeta: -0.1; 0 or more is accepted"),
-        (lambda: Decay(1, 0.1, 0.1, x_s=0.05), "decay: x_s: 0.05 m, below x_k = 0.1 m; x_s >= x_k is accepted"),
-        (lambda: Decay(1, 0.1, 0.1, math.nan), "decay: x0: nan; a finite number is accepted"),
-        (lambda: schedule(Decay(1, 0.1, 0.0)), "schedule: until: none, for a slider that never sticks; a time in s"),
-        (lambda: schedule(Decay(1, 0.1, 0.1), -1.0), "schedule: until: -1.0; a time of 0 s or more is accepted"),
-        (lambda: schedule(Decay(1, 0.0, 0.0), 1e9), "free decay: more than ten million half-cycles; a shorter time"),
+        (lambda: Decay(0, 0.1, 0.1), "decay: omega_n: 0; expected a number above 0 rad/s"),
+        (lambda: Decay(1, -0.1, 0.1), "decay: zeta: -0.1; expected 0 or more"),
+        (lambda: Decay(1, 0.1, 0.1, x_s=0.05), "decay: x_s: 0.05 m, below x_k = 0.1 m; expected x_s >= x_k"),
+        (lambda: Decay(1, 0.1, 0.1, math.nan), "decay: x0: nan; expected a finite number"),
+        (
+            lambda: schedule(Decay(1, 0.1, 0.0)),
+            "schedule: until: none, for a slider that never sticks; expected a time in s",
+        ),
+        (lambda: schedule(Decay(1, 0.1, 0.1), -1.0), "schedule: until: -1.0; expected a time of 0 s or more"),
+        (
+            lambda: schedule(Decay(1, 0.0, 0.0), 1e9),
+            "free decay: more than ten million half-cycles; expected a shorter time",
+        ),
         (lambda: free_decay(Decay(1, 0.1, 0.1), np.array([0.0, 0.0])), "free decay: t, row 2: time 0 s does not come"),
         (
             lambda: free_decay(Scenario("hold", PAPER, action=Hold(1.0)), np.array([0.0, 1.0])),
-            "scenario hold: an acting force or belt; a free decay is accepted",
+            "scenario hold: an acting force or belt; expected a free decay",
         ),
     ],
 )

@@ -51,7 +51,7 @@ def test_a_name_that_the_locale_cannot_say(place: Path) -> None:
     os.rename(place / "d.csv", place / "wegü.csv")
     code, out, err = ended(["identify", "wegü.csv"], place, LC_ALL="C", PYTHONUTF8="0", PYTHONCOERCECLOCALE="0")
     assert (code, out) == (2, "")
-    assert err.endswith("weg\\udcc3\\udcbc.csv: bytes that are no text in ascii; a name that is text is accepted\n")
+    assert err.endswith("weg\\udcc3\\udcbc.csv: bytes that are no text in ascii; expected a name that is text\n")
 
 
 @pytest.mark.parametrize(
@@ -76,7 +76,7 @@ def test_a_place_that_is_read_only(
     out, err = capfd.readouterr()
     assert out == ""
     assert err.count("\n") == 1
-    assert "a read-only file system; a folder that can be written is accepted" in err
+    assert "a read-only file system; expected a folder that can be written" in err
 
 
 def test_a_folder_that_was_removed_meanwhile(place: Path) -> None:
@@ -89,4 +89,4 @@ def test_a_folder_that_was_removed_meanwhile(place: Path) -> None:
         [sys.executable, "-c", program], cwd=gone, env=environment, capture_output=True, text=True, check=False
     )
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == "harness: the working folder: it was removed; a folder that is there is accepted\n"
+    assert done.stderr == "harness: the working folder: it was removed; expected a folder that is there\n"

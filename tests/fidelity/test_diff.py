@@ -153,7 +153,7 @@ def test_command_leaves_a_page_and_obeys_its_schema(tmp_path: Path) -> None:
     ("given", "message"),
     [
         ("mujco", "did you mean mujoco"),
-        ("mujoco@1.0", r"try: python3 -m venv old && old/bin/pip install mujoco==1\.0"),
+        ("mujoco@1.0", r"Try: python3 -m venv old && old/bin/pip install mujoco==1\.0"),
         ("nix/bin/here", "one of "),
     ],
 )

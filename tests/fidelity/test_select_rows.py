@@ -60,7 +60,7 @@ def test_a_pattern_is_part_of_a_name_or_a_whole_one(text: str, name: str, meant:
 def test_only_the_rows_that_are_asked_for_are_run(fresh: room.Rows) -> None:
     assert sorted(fresh) == sorted([HOLD, BELT])
     assert sorted(room.fresh_rows(SOME(skip=("*/belt",)))) == [HOLD]
-    with pytest.raises(InputError, match=r"no row is left; try: -k mujoco@4\.0\.0/joint/"):
+    with pytest.raises(InputError, match=r"no row is left\. Try: -k mujoco@4\.0\.0/joint/"):
         room.fresh_rows(SOME(skip=("mujoco",)))
 
 

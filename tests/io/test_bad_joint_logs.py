@@ -36,23 +36,26 @@ def junk(path: Path) -> Path:
 
 
 BAD: dict[str, tuple[Callable[[Path], tuple[Path, dict[str, object]]], str]] = {
-    "nothing there": (lambda p: (p / "none.csv", {}), "no such file; a file, the folder of a ROS 2 bag"),
-    "empty folder": (lambda p: (p, {}), "a folder; a file, the folder of a ROS 2 bag, or that of a LeRobot"),
+    "nothing there": (lambda p: (p / "none.csv", {}), "no such file; expected a file, the folder of a ROS 2 bag"),
+    "empty folder": (lambda p: (p, {}), "a folder; expected a file, the folder of a ROS 2 bag, or that of a LeRobot"),
     "no joints": (
         lambda p: (csv(p / "a.csv", {"t": ONE.t, "speed_limit": ONE.t}), {}),
-        "no joint's position among the columns t, speed_limit; columns t and NAME.position",
+        "no joint's position among the columns t, speed_limit; expected columns t and NAME.position",
     ),
     "no time": (lambda p: (csv(p / "a.csv", ONE.columns()), {}), "no time among the columns"),
     "text": (lambda p: (with_text(p / "a.csv"), {}), "row 20 (line 21), column shoulder.position: the text 'fast'"),
     "time back": (lambda p: (short_of(p / "a.csv", t=BACK), {}), "row 101, t: time 0.5 s goes back from 0.99 s"),
     "nan": (
         lambda p: (short_of(p / "a.csv", **{"elbow.position": HOLED}), {}),
-        "row 8, elbow.position: no value or nan; a finite number is accepted; --drop-nan leaves such rows out",
+        "row 8, elbow.position: no value or nan. Try: --drop-nan",
     ),
-    "few": (lambda p: (csv(p / "a.csv", {"t": ONE.t[:9], "e.position": ONE.t[:9]}), {}), "9 samples; at least 50"),
+    "few": (
+        lambda p: (csv(p / "a.csv", {"t": ONE.t[:9], "e.position": ONE.t[:9]}), {}),
+        "9 samples; expected at least 50",
+    ),
     "unknown joint": (
         lambda p: (short_of(p / "a.csv"), {"joints": ["elbwo"]}),
-        "no joint 'elbwo'; one of shoulder, elbow is accepted; did you mean elbow?",
+        "no joint 'elbwo'; expected one of shoulder, elbow; did you mean elbow?",
     ),
     "two of one": (
         lambda p: (csv(p / "a.csv", {"t": ONE.t, "l/q1": ONE.t, "r/q1": ONE.t}), {}),
@@ -63,20 +66,20 @@ BAD: dict[str, tuple[Callable[[Path], tuple[Path, dict[str, object]]], str]] = {
         "--gain: given for a log without current or effort",
     ),
     "gain of another": (lambda p: (short_of(p / "a.csv"), {"gain": {"elbo": 2.0}}), "did you mean elbow?"),
-    "gain of 0": (lambda p: (short_of(p / "a.csv"), {"gain": 0.0}), "--gain: 0; N m per A, other than 0"),
+    "gain of 0": (lambda p: (short_of(p / "a.csv"), {"gain": 0.0}), "--gain: 0; expected N m per A, other than 0"),
     "a unit that is none": (lambda p: (short_of(p / "a.csv"), {"angle_unit": "blub"}), "--angle-unit: 'blub' is not"),
     "columns": (
         lambda p: (short_of(p / "a.csv"), {"columns": "elbow=foo"}),
-        "--columns: unknown channel 'elbow' in 'elbow=foo'; t and NAME.position, NAME.velocity",
+        "--columns: unknown channel 'elbow' in 'elbow=foo'; expected t and NAME.position, NAME.velocity",
     ),
     "a topic of a table": (lambda p: (short_of(p / "a.csv"), {"topic": "/x"}), "--topic: given for"),
     "two topics": (
         lambda p: (two(p / "a"), {}),
-        "2 topics of joint states and no --topic; --topic with one of /left/joint_states, /right/joint_states",
+        "2 topics of joint states and no --topic; expected --topic with one of /left/joint_states, /right/joint_states",
     ),
     "unknown topic": (
         lambda p: (two(p / "a"), {"topic": "/lft/joint_states"}),
-        "no topic of joint states '/lft/joint_states'; one of /left/joint_states, /right/joint_states is accepted",
+        "no topic of joint states '/lft/joint_states'; expected one of /left/joint_states, /right/joint_states",
     ),
     "no joint states": (lambda p: (bag2(p / "a", {}, text=True), {}), "no joint states, but /rosout (std_msgs/msg/Str"),
     "columns of a bag": (lambda p: (two(p / "a"), {"columns": "t=t"}), "--columns: given for"),
@@ -94,7 +97,7 @@ BAD: dict[str, tuple[Callable[[Path], tuple[Path, dict[str, object]]], str]] = {
     ),
     "values without joints": (
         lambda p: (bag2(p / "a", {"/j": [Message(k, k, ["e"], [0.0, 1.0]) for k in range(60)]}), {}),
-        "/j: message 1: 2 values of position for 1 joints; a value for each joint is accepted",
+        "/j: message 1: 2 values of position for 1 joints; expected a value for each joint",
     ),
     "no info": (lambda p: (_broken_info(p / "a"), {}), "unreadable (KeyError: 'features')"),
 }
@@ -125,7 +128,7 @@ def test_a_bag_without_the_package_says_what_to_install(tmp_path: Path, monkeypa
     path = bag1(tmp_path / "a.bag", {"/joint_states": messages(ONE)})
     monkeypatch.setitem(sys.modules, "rosbags", None)
     with pytest.raises(
-        InputError, match=r"rosbags that reads it is not installed; pip install 'friction-harness\[bags\]'"
+        InputError, match=r"rosbags that reads it is not installed. Try: pip install 'friction-harness\[bags\]'"
     ):
         read_joint_log(path)
     assert run(["log", str(path)]) == 2

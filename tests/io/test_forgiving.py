@@ -220,7 +220,7 @@ def test_rows_without_a_value(tmp_path: Path) -> None:
     assert len(read_recording(path)) == 397
     x[100:200] = np.nan
     path = written(tmp_path / "a.csv", "t,x", T, x)
-    with pytest.raises(InputError, match=r"row 4 \(line 5\), column x: no value or nan; try: --drop-nan"):
+    with pytest.raises(InputError, match=r"row 4 \(line 5\), column x: no value or nan\. Try: --drop-nan"):
         read_recording(path)
     assert len(read_recording(path, ReadOptions(drop_nan=True))) == 297
 

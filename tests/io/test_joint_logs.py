@@ -210,11 +210,11 @@ def test_an_episode_of_a_data_set_is_read(tmp_path: Path) -> None:
     episodes = [replace(motion(n, seed=n), velocity={}, effort={}) for n in (60, 80, 70)]
     for chunked in (False, True):
         folder = lerobot(tmp_path / str(chunked), episodes, chunked=chunked)
-        with pytest.raises(InputError, match="3 episodes and no --topic; --topic with one of 0, 1, 2"):
+        with pytest.raises(InputError, match="3 episodes and no --topic; expected --topic with one of 0, 1, 2"):
             read_joint_log(folder)
         for number, one in enumerate(episodes):
             same(read_joint_log(folder, topic=str(number)), one)
-        with pytest.raises(InputError, match="no episode '7'; one of 0, 1, 2 is accepted"):
+        with pytest.raises(InputError, match="no episode '7'; expected one of 0, 1, 2"):
             read_joint_log(folder, topic="7")
     same(read_joint_log(folder / "data" / "chunk-001" / "file-000.parquet"), episodes[1])
     unnamed = lerobot(tmp_path / "nested", episodes[:1], names={"motors": ["a", "b"]})
@@ -235,7 +235,7 @@ def test_joints_are_followed_by_name_and_empty_fields_are_not_logged(tmp_path: P
         np.testing.assert_array_equal(found.position[joint], ONE.position[first])
         np.testing.assert_array_equal(found.effort[joint], ONE.effort[first])
     assert any("change their order in" in note for note in found.notes)
-    assert any("40 messages speak of other joints (finger): left out" in note for note in found.notes)
+    assert any("40 messages speak of other joints (finger): not used" in note for note in found.notes)
 
 
 @pytest.mark.parametrize(
@@ -320,7 +320,7 @@ def test_rows_without_a_value_are_left_out_when_asked(tmp_path: Path) -> None:
     path = short_of(tmp_path / "a.csv", **{"elbow.position": HOLED})
     found = read_joint_log(path, drop_nan=True, start=0.05, stop=2.0)
     assert len(found.t) == 195
-    assert "1 rows without a value are left out (--drop-nan)." in found.notes
+    assert "1 rows without a value are skipped (--drop-nan)." in found.notes
 
 
 def test_what_is_nan_or_nought_throughout_is_not_logged(tmp_path: Path) -> None:

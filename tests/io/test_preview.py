@@ -31,7 +31,7 @@ def test_a_proposal_is_a_whole_command_with_the_rows_it_reads(
     monkeypatch.setattr("sys.argv", ["harness", *line])
     assert run(line) == 2
     said = capsys.readouterr().err
-    proposed = re.search(r"try: (harness .*), which reads (.*)$", said)
+    proposed = re.search(r"Try: (harness .*), which reads (.*)$", said)
     assert proposed is not None, said
     assert "t 0, 0.005, 0.01 s" in proposed[2]
     words = shlex.split(proposed[1])

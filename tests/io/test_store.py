@@ -51,7 +51,10 @@ def test_an_empty_folder_is_taken_and_stays_after_a_failure(tmp_path: Path) -> N
 
 def test_a_folder_with_files_is_refused(tmp_path: Path) -> None:
     (tmp_path / "mine.txt").write_text("precious")
-    with pytest.raises(StoreError, match="holds files already; a new or empty one"), output_folder("run", tmp_path):
+    with (
+        pytest.raises(StoreError, match="holds files already; expected a new or empty one"),
+        output_folder("run", tmp_path),
+    ):
         pass
     assert everything(tmp_path) == ["mine.txt"]
 
@@ -73,7 +76,7 @@ def test_a_place_that_cannot_be_written_is_one_line(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("file").write_text("x")
-    with pytest.raises(StoreError, match="accepted") as caught, output_folder("run", Path(place)):
+    with pytest.raises(StoreError, match=r"expected|Try: ") as caught, output_folder("run", Path(place)):
         pass
     assert "\n" not in str(caught.value)
     assert everything(tmp_path) == ["file"]
@@ -135,7 +138,7 @@ def test_devices_are_written_to_and_stay(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("path", ["/no/such/folder/a.json", "/proc/a.json", "/tmp"])
 def test_a_file_that_cannot_be_written_is_known_before_the_work(path: str) -> None:
-    with pytest.raises(StoreError, match="accepted"):
+    with pytest.raises(StoreError, match=r"expected|Try: "):
         check_writable(Path(path))
 
 

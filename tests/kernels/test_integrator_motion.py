@@ -201,14 +201,17 @@ def test_a_place_that_cannot_be_passed_costs_few_steps() -> None:
 
 
 BAD = [
-    (lambda: solve(model(), np.array([])), r"simulation: t: an array of shape \(0,\); a vector of at least one time"),
-    (lambda: solve(model(), np.array([0.0, np.nan])), "simulation: t, row 2: nan; a finite number"),
+    (lambda: solve(model(), np.array([])), r"simulation: t: an array of shape \(0,\); expected a vector"),
+    (lambda: solve(model(), np.array([0.0, np.nan])), "simulation: t, row 2: nan; expected a finite number"),
     (lambda: solve(model(), np.array([1.0, 0.5])), "time 0.5 s comes before 1 s; times that do not decrease"),
-    (lambda: solve(model(), np.array([1.0]), ("bogus",)), "'bogus' is no parameter of the model; one of x0, v0"),
-    (lambda: Drive(np.array([0.0, 0.0]), np.array([1.0, 1.0])), "times that increase are accepted"),
+    (
+        lambda: solve(model(), np.array([1.0]), ("bogus",)),
+        "'bogus' is no parameter of the model; expected one of x0, v0",
+    ),
+    (lambda: Drive(np.array([0.0, 0.0]), np.array([1.0, 1.0])), "times that increase"),
     (lambda: Drive(np.array([]), np.array([])), "drive: no knots"),
     (lambda: Drive(np.array([0.0]), np.array([np.inf])), "drive: u, row 1: inf"),
-    (lambda: solve(model(*[term("attached-mode")] * 6), np.array([1.0])), "14 states; at most 12 are accepted"),
+    (lambda: solve(model(*[term("attached-mode")] * 6), np.array([1.0])), "14 states; expected at most 12"),
 ]
 
 

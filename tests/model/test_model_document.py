@@ -79,29 +79,35 @@ BRISTLE = {"name": "presliding", "parameters": {"sigma0": 100.0, "sigma1": 0.0}}
 SMOOTHED = {"name": "regularised-friction", "parameters": {"v_r": 0.1, "lead": 0.0}}
 STRIBECK = {"name": "stribeck", "parameters": {"f_s": 3.0, "v_s": 0.1}}
 BAD = [
-    ([], r"m.json: \[\]; an object with schema, base is accepted"),
-    (changed("schema", "harness.model/2"), "m.json: schema: 'harness.model/2'; 'harness.model/1' is accepted"),
-    (changed("typo", 1), "m.json: unknown field 'typo'; schema, base"),
-    (changed("base", {"m": 1.0}), "m.json: base: no field 'c'; m, c, k, f_k are needed"),
-    (changed("base.m", "1"), "m.json: base.m: '1'; a finite number is accepted"),
-    (changed("base.m", None), "m.json: base.m: null; a finite number is accepted"),
-    (changed("base.m", float("nan")), "m.json: base.m: nan; a finite number is accepted"),
-    (changed("base.m", -1.0), "m.json: model: m: -1; a number above 0 kg is accepted"),
-    (changed("base.f_s", 1.0), "m.json: model: f_s: 1, below f_k = 2; f_s >= f_k is accepted"),
-    (changed("release.x0", True), "m.json: release.x0: True; a finite number is accepted"),
-    (changed("restoring", "rubber"), "m.json: restoring: 'rubber'; spring, pendulum, none are accepted"),
-    (changed("restoring", "none"), "m.json: model: k: 90 with restoring none; 0 is accepted"),
-    (changed("mass_known", 1), "m.json: mass_known: 1; true or false is accepted"),
-    (changed("terms", {}), r"m.json: terms: \{\}; a list is accepted"),
-    (changed("terms.0.name", "magic"), r"terms\[0\]: 'magic:negative' is not in the catalogue; one of stribeck,"),
+    ([], r"m.json: \[\]; expected an object with schema, base"),
+    (changed("schema", "harness.model/2"), "m.json: schema: 'harness.model/2'; expected 'harness.model/1'"),
+    (changed("typo", 1), "m.json: unknown field 'typo'; expected schema, base"),
+    (changed("base", {"m": 1.0}), "m.json: base: no field 'c'; expected the fields m, c, k, f_k"),
+    (changed("base.m", "1"), "m.json: base.m: '1'; expected a finite number"),
+    (changed("base.m", None), "m.json: base.m: null; expected a finite number"),
+    (changed("base.m", float("nan")), "m.json: base.m: nan; expected a finite number"),
+    (changed("base.m", -1.0), "m.json: model: m: -1; expected a number above 0 kg"),
+    (changed("base.f_s", 1.0), "m.json: model: f_s: 1, below f_k = 2; expected f_s >= f_k"),
+    (changed("release.x0", True), "m.json: release.x0: True; expected a finite number"),
+    (changed("restoring", "rubber"), "m.json: restoring: 'rubber'; expected spring, pendulum, none"),
+    (changed("restoring", "none"), "m.json: model: k: 90 with restoring none; expected 0"),
+    (changed("mass_known", 1), "m.json: mass_known: 1; expected true or false"),
+    (changed("terms", {}), r"m.json: terms: \{\}; expected a list"),
+    (
+        changed("terms.0.name", "magic"),
+        r"terms\[0\]: 'magic:negative' is not in the catalogue; expected one of stribeck,",
+    ),
     (changed("terms.0.variant", "left"), r"terms\[0\]: 'end-stop:left' is not in the catalogue"),
-    (changed("terms.0.parameters", {"gap": 1.0}), r"terms\[0\].parameters: no field 'k_stop'; gap, k_stop are needed"),
-    (changed("terms.0.parameters.gap", "x"), r"terms\[0\].parameters.gap: 'x'; a finite number is accepted"),
-    (changed("terms.0.parameters.gap", -1), r"terms\[0\]: term end-stop:negative: gap: -1; 0 to inf is accepted"),
-    (changed("terms.2.internal", [1, 2]), r"terms\[2\].internal: \[1, 2\]; a list of 1 numbers is accepted"),
-    (changed("terms", [BRISTLE, SMOOTHED]), "presliding and regularised-friction in slot F law; one law"),
-    (changed("terms", [BRISTLE]), "m.json: a break-away level together with presliding; a law that sticks"),
-    (changed("terms", [STRIBECK]), "base.f_s: 2.5 beside the f_s of stribeck; f_s = f_k is accepted there"),
+    (
+        changed("terms.0.parameters", {"gap": 1.0}),
+        r"terms\[0\].parameters: no field 'k_stop'; expected the fields gap, k_stop",
+    ),
+    (changed("terms.0.parameters.gap", "x"), r"terms\[0\].parameters.gap: 'x'; expected a finite number"),
+    (changed("terms.0.parameters.gap", -1), r"terms\[0\]: term end-stop:negative: gap: -1; expected 0 to inf"),
+    (changed("terms.2.internal", [1, 2]), r"terms\[2\].internal: \[1, 2\]; expected a list of 1 numbers"),
+    (changed("terms", [BRISTLE, SMOOTHED]), "presliding and regularised-friction in slot F law; expected one law"),
+    (changed("terms", [BRISTLE]), "m.json: a break-away level together with presliding; expected a law that sticks"),
+    (changed("terms", [STRIBECK]), "base.f_s: 2.5 beside the f_s of stribeck; expected f_s = f_k"),
     (changed("terms", [STATIC]), "base.f_s: 2.5 beside the f_s of static-friction"),
 ]
 
@@ -115,7 +121,7 @@ def test_bad_documents_are_named(document: Any, message: str) -> None:
 
 @pytest.mark.parametrize(
     ("text", "message"),
-    [(b"{", "line 1: Expecting property name"), (b"\xff\xfe", "not text; JSON of harness.model/1 is accepted")],
+    [(b"{", "line 1: Expecting property name"), (b"\xff\xfe", "not text; expected JSON of harness.model/1")],
 )
 def test_files_that_are_no_json_are_named(text: bytes, message: str, tmp_path: Path) -> None:
     file = tmp_path / "m.json"
@@ -125,7 +131,7 @@ def test_files_that_are_no_json_are_named(text: bytes, message: str, tmp_path: P
 
 
 def test_a_missing_file_is_named(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="No such file or directory; a file that can be read is accepted"):
+    with pytest.raises(InputError, match="No such file or directory; expected a file that can be read"):
         load(tmp_path / "none.json")
 
 
@@ -134,14 +140,14 @@ def test_slots_that_take_one_law_refuse_two() -> None:
         of = [t for t in TERMS if t.slot is slot]
         two = (of[0], of[-1])
         entries = tuple(ModelTerm(t, tuple(middle(p.lower, p.upper) for p in t.parameters)) for t in two)
-        with pytest.raises(InputError, match=f"in slot {slot.value}; one law is accepted there"):
+        with pytest.raises(InputError, match=f"in slot {slot.value}; expected one law"):
             Model(1.0, 1.0, 100.0, 0.1, terms=entries)
 
 
 def test_terms_refuse_wrong_numbers_of_values() -> None:
-    with pytest.raises(InputError, match="term stribeck: parameters f_s; f_s, v_s is accepted"):
+    with pytest.raises(InputError, match="term stribeck: parameters f_s; expected f_s, v_s"):
         NAMED("stribeck", f_s=1.0)
-    with pytest.raises(InputError, match="term viscoelastic: 2 internal starts; 1 internal starts are accepted"):
+    with pytest.raises(InputError, match="term viscoelastic: 2 internal starts; expected 1 internal starts"):
         ModelTerm(FULL.terms[2].term, (1.0, 1.0), (0.0, 0.0))
 
 

@@ -88,7 +88,7 @@ def said_with_the_package(place: Path, program: str, **environment: str) -> dict
         )
 
     stale = run("-c", "import harness.kernels.solve")
-    assert "harness/kernels/dispatch.py: written without tanh-friction; what python -m harness" in stale.stderr
+    assert "harness/kernels/dispatch.py: written without tanh-friction; expected what python -m harness" in stale.stderr
     assert run("-m", "harness.kernels.generate").stderr == ""
     done = run("-c", program + TOLD)
     assert done.stderr == ""
@@ -118,10 +118,10 @@ def test_a_term_of_another_package_is_found(tmp_path: Path) -> None:
 BAD = [
     (
         "no_such_package:TERM",
-        "term mine: no_such_package:TERM: No module named 'no_such_package'; a package that loads",
+        "term mine: no_such_package:TERM: No module named 'no_such_package'; expected a package that loads",
     ),
-    ("collections:OrderedDict", r"is <class 'collections.OrderedDict'>; a harness.model.term.Term is accepted"),
-    ("harness.model.terms.stribeck:TERM", "term stribeck: registered twice; one is accepted"),
+    ("collections:OrderedDict", r"is <class 'collections.OrderedDict'>; expected a harness.model.term.Term"),
+    ("harness.model.terms.stribeck:TERM", "term stribeck: registered twice; expected one"),
 ]
 
 

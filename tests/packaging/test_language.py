@@ -25,6 +25,8 @@ RETIRED = {
     r"\bstands? beside\b": "compared with",
     r"\bthe others still\b": "the other joints locked",
     r"\bturns? round\b": "reverses",
+    r"\b(?:leaves?|left|leaving) out\b": "misses, what is missing; skips, holds out",
+    r"\b(?:is|are) accepted\b": "expected ..., or a line to paste",
     r"\bthe main thing\b": "the dominant effect",
 }
 """What was retired, as a pattern, and the term of the field in its place."""

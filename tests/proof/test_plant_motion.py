@@ -156,10 +156,10 @@ def test_held_until_released() -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"m": 0.0}, "plant: m: 0; a number above 0 kg is accepted"),
-        ({"c": -1.0}, "plant: c: -1; 0 or more N s/m is accepted"),
-        ({"restoring": "rubber"}, "plant: restoring: rubber; spring, pendulum or none is accepted"),
-        ({"x0": math.nan}, "plant: x0: nan; a finite number is accepted"),
+        ({"m": 0.0}, "plant: m: 0; expected a number above 0 kg"),
+        ({"c": -1.0}, "plant: c: -1; expected 0 or more N s/m"),
+        ({"restoring": "rubber"}, "plant: restoring: rubber; expected spring, pendulum or none"),
+        ({"x0": math.nan}, "plant: x0: nan; expected a finite number"),
     ],
 )
 def test_bad_plants_are_refused(change: dict[str, float], message: str) -> None:

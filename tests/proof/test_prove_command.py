@@ -30,7 +30,7 @@ def small(tmp_path: Path, one_version: None) -> Path:
 
 def test_only_evidence_is_published(small: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert place_of(small) == Path("reports/proof")
-    with pytest.raises(HarnessError, match="holds no finished proof; the folder of one is accepted"):
+    with pytest.raises(HarnessError, match="holds no finished proof; expected the folder of one"):
         place_of(tmp_path)
     with pytest.raises(HarnessError, match="has too few recordings to be evidence; nothing was published"):
         publish(small, tmp_path / "into")

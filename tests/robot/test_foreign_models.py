@@ -250,7 +250,7 @@ def test_an_attached_model_is_as_if_it_stood_there(tmp_path: Path) -> None:
     [
         ('<origin xyz="0 0" rpy="0 0 0"/>', 'joint elbow: xyz="0 0" in its <origin>; three numbers'),
         ('<origin xyz="0 0 0" rpy="0 $(yaw) 0"/>', "joint elbow: rpy="),
-        ('<axis xyz="0 1 0"/><axis xyz="0 0 1"/>', "joint elbow: several <axis>; one is accepted"),
+        ('<axis xyz="0 1 0"/><axis xyz="0 0 1"/>', "joint elbow: several <axis>; expected one"),
     ],
 )
 def test_a_urdf_is_refused_with_the_joint_that_is_wrong(tmp_path: Path, part: str, said: str) -> None:

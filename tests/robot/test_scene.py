@@ -167,8 +167,8 @@ def test_the_result_is_valid_and_its_page_is_made_again_from_the_trace(tmp_path:
 @pytest.mark.parametrize(
     ("text", "body", "says"),
     [
-        (pinch(), "hold", "left, right, held; try: --body held"),
-        (slope().replace("<freejoint/>", "<joint/>"), None, "block; try: --body block"),
+        (pinch(), "hold", "left, right, held. Try: --body held"),
+        (slope().replace("<freejoint/>", "<joint/>"), None, "block. Try: --body block"),
         ("<mujoco><worldbody><body/></worldbody></mujoco>", None, "no body with a name that moves"),
         ('<robot name="r"><link name="l"/></robot>', "l", "harness run --robot"),
         (slope(shape='type="mesh" mesh="m"').replace("<worldbody>", MESH), None, "no.stl"),

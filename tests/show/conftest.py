@@ -30,7 +30,7 @@ def recording(sources: list[Trajectory]) -> Recording:
         "x": reference.x + 1e-4 * noise.normal(size=len(reference)),
         "a": reference.a + 0.3 * noise.normal(size=len(reference)),
     }
-    return Recording(reference.t, channels, "bench.csv", "ab" * 32, {"x": "mm"}, notes=("2 gaps are left out.",))
+    return Recording(reference.t, channels, "bench.csv", "ab" * 32, {"x": "mm"}, notes=("2 gaps are skipped.",))
 
 
 @pytest.fixture(scope="session")
@@ -50,7 +50,7 @@ def identify_result(sources: list[Trajectory]) -> IdentifyResult:
                 "rate_hz": 1000.0,
                 "duration_s": 3.0,
                 "noise": {"x": 1e-4, "a": 0.3},
-                "notes": ["2 gaps are left out."],
+                "notes": ["2 gaps are skipped."],
             },
             "estimates": {"acceleration": estimate(0.03, per_reversal), "displacement": estimate(0.0301, [])},
             "sensor_phase_rad": quantity(0.216, 0.003, "rad"),

@@ -78,7 +78,7 @@ def case() -> Case:
 def test_the_verdict_comes_first_and_nothing_of_a_file_becomes_markup(case: Case) -> None:
     page = render(diagnosis_page(*case))
     sections = ("Residual, before and after", "Where it acts", "Model and numbers", "Evidence", "Details", "Files")
-    order = ["leaves out a stop.", *(f"<h2>{title}" for title in sections)]
+    order = ["misses a stop.", *(f"<h2>{title}" for title in sections)]
     places = [page.index(text) for text in order]
     assert places == sorted(places)
     assert "holds 80 % of the mismatch" in page
@@ -108,7 +108,7 @@ def test_a_users_own_simulation_is_a_third_curve_as_far_as_it_reaches(case: Case
         engine=0.0, why="a trace alone", parameters=-0.4, missing_physics=1.4, unexplained=0.0, noise=0.0,
         changes=[changed], sentences=["The parameters hide the missing term: c 0.8 stands for 0.4 and end-stop."],
     )  # fmt: skip
-    result = result.model_copy(update={"attribution": told})
+    result = result.model_copy(update={"attribution": told, "settings": {**result.settings, "sim": "mine.csv"}})
     scene = diagnosis_scene(result, recording, [*simulated, own])
     drawn = {view.name: [trace["name"] for trace in view.traces] for view in scene.views if isinstance(view, Figure)}
     assert drawn["channel-x"][-1] == "your simulation"
@@ -123,15 +123,17 @@ def test_a_users_own_simulation_is_a_third_curve_as_far_as_it_reaches(case: Case
 
 def index() -> Page:
     good = example("a.csv").model_copy(update={"files": {"report": "/d/a/r.html"}})
-    failed = FailedDiagnosis(recording=UnreadRecording(file="bad.csv"), error="bad.csv: 2 samples; at least 50 are")
+    failed = FailedDiagnosis(
+        recording=UnreadRecording(file="bad.csv"), error="bad.csv: 2 samples; expected at least 50"
+    )
     return index_page([good, failed], Path("/d"), "harness diagnose")
 
 
 def test_the_page_of_many_has_a_row_and_a_link_each() -> None:
     page = render(index())
     assert '<a href="a/r.html">a.csv</a>' in page
-    assert "bad.csv: 2 samples; at least 50 are" in page
-    assert "1 physics left out, 1 could not be diagnosed" in page
+    assert "bad.csv: 2 samples; expected at least 50" in page
+    assert "1 missing physics, 1 could not be diagnosed" in page
 
 
 def test_a_browser_draws_every_figure_without_a_word(browser: "Browser", case: Case, tmp_path: Path) -> None:

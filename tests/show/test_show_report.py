@@ -162,7 +162,7 @@ def test_the_page_of_a_recording(recording: Recording, identify_result: Identify
     assert "Friction and damping of bench.csv" in page
     assert "x<sub>k</sub> = 30.000 ± 0.020 mm, ζ = 0.050100 ± 0.000030" in page
     assert "0.2160 ± 0.0030 rad" in page
-    assert "2 gaps are left out." in page
+    assert "2 gaps are skipped." in page
     assert 'id="plot-reversals-x_k"' in page
     assert page.count("Bars are one standard error") == 1  # for x_k; zeta has none
 

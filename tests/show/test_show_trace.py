@@ -162,7 +162,7 @@ def test_what_is_no_trace_of_ours_is_refused(tmp_path: Path, trace_file: Path, m
 
 
 def test_a_folder_that_is_not_there_is_said_and_nothing_is_left(tmp_path: Path, sources: list[Trajectory]) -> None:
-    with pytest.raises(StoreError, match="no such folder; an existing one is accepted"):
+    with pytest.raises(StoreError, match="no such folder; expected an existing one"):
         write_trace(tmp_path / "missing" / "t.rrd", run_scene(sources, SCENARIO, {}, ""))
     with pytest.raises(HarnessError, match="cannot be read"):
         write_trace(tmp_path / "t.rrd", run_scene(sources, SCENARIO, {}, "", tmp_path / "no.urdf"))

@@ -20,7 +20,7 @@ def good(path: Path, factor: float) -> Found:
 
 
 def refuses(path: Path) -> Found:
-    raise InputError(str(path), "nothing", "something is accepted")
+    raise InputError(str(path), "nothing", "something")
 
 
 def fails(path: Path) -> Found:

@@ -45,7 +45,7 @@ def example(label: str, sha256: str = "0" * 64, **changed: object) -> DiagnosisR
             file=label, sha256=sha256, samples=500, channels=["x"], rate_hz=125.0, duration_s=4.0, noise={"x": 1e-4}
         ),
         verdict="missing_physics",
-        statement="The simulation leaves out a stop.",
+        statement="The simulation misses a stop.",
         baseline=fit,
         where=[],
         mechanisms=[

@@ -36,8 +36,10 @@ def download_emps(into: Path) -> Path:
     try:
         fetch = import_module("nonlinear_benchmarks").EMPS
     except ModuleNotFoundError:
-        accepted = "the extra is accepted: pip install 'friction-harness[emps]'; or --from with a folder of the files"
-        raise InputError("--download", "the package nonlinear_benchmarks is not installed", accepted) from None
+        accepted = "try: pip install 'friction-harness[emps]'"
+        raise InputError(
+            "--download", "the package nonlinear_benchmarks is not installed (--from DIR needs none)", accepted
+        ) from None
     try:
         into.mkdir(parents=True, exist_ok=True)
         files = [Path(file) for file in fetch(data_file_locations=True, dir_placement=str(into))]
@@ -75,14 +77,10 @@ class Emps:
         for name, digest in SHA256.items():
             path = folder / name
             if not path.is_file():
-                raise InputError(
-                    str(path), "no such file", f"a folder with {FITTED} and {OTHER} is accepted ({SOURCE})"
-                )
+                raise InputError(str(path), "no such file", f"a folder with {FITTED} and {OTHER} ({SOURCE})")
             seen = sha256(path)
             if seen != digest:
-                raise InputError(
-                    str(path), f"sha256 {seen[:12]}...", f"the published file, {digest[:12]}..., is accepted"
-                )
+                raise InputError(str(path), f"sha256 {seen[:12]}...", f"the published file, {digest[:12]}...")
             found.append(read(path, ReadOptions(COLUMNS)))
         return cls(*found)
 

@@ -45,7 +45,7 @@ class Listed:
         unknown = sorted(set(self.options) - _READ.keys() - _CHOSEN.keys())
         if unknown:
             accepted = ", ".join([*_READ, *_CHOSEN])
-            raise InputError(f"{where}: {self.name}", f"the option {unknown[0]}", f"{accepted} are accepted")
+            raise InputError(f"{where}: {self.name}", f"the option {unknown[0]}", f"one of {accepted}")
         read = ReadOptions(**{_READ[name]: value for name, value in self.options.items() if name in _READ})
         chosen = {_CHOSEN[name]: value for name, value in self.options.items() if name in _CHOSEN}
         return DiagnoseOptions.chosen(read, engines=(), **chosen)
@@ -60,7 +60,7 @@ def listed(folder: Path) -> list[tuple[Listed, DiagnoseOptions]]:
         try:
             found += _parsed(str(given), given.read_text(encoding="utf-8"))
         except (OSError, UnicodeDecodeError) as error:
-            raise InputError(str(given), str(error), "a readable file in UTF-8 is accepted") from None
+            raise InputError(str(given), str(error), "a readable file in UTF-8") from None
     return found
 
 
@@ -68,14 +68,12 @@ def _parsed(where: str, text: str) -> list[tuple[Listed, DiagnoseOptions]]:
     try:
         entries = tomllib.loads(text).get("machine", [])
     except tomllib.TOMLDecodeError as error:
-        raise InputError(where, f"no TOML: {error}", "[[machine]] with name, file, source is accepted") from None
+        raise InputError(where, f"no TOML: {error}", "[[machine]] with name, file, source") from None
     found = []
     for i, entry in enumerate(entries if isinstance(entries, list) else [entries]):
         known = isinstance(entry, dict) and set(entry) <= set(_WORDS) and {"name", "file"} <= set(entry)
         if not known or not isinstance(entry.get("options", {}), dict):
-            raise InputError(
-                f"{where}: machine {i + 1}", "unknown or missing words", f"{', '.join(_WORDS)} are accepted"
-            )
+            raise InputError(f"{where}: machine {i + 1}", "unknown or missing words", f"{', '.join(_WORDS)}")
         one = Listed(**{"source": "", **entry})
         found.append((one, one.asked(where)))
     return found
@@ -93,7 +91,7 @@ def dataset_machines(
     Raises InputError when there is no such folder, none of the listed files is in it, or its list is bad; StoreError.
     """
     if not folder.is_dir():
-        raise InputError(f"--from {folder}", "no such folder", "one with recordings of machines is accepted")
+        raise InputError(f"--from {folder}", "no such folder", "one with recordings of machines")
     there: dict[str, Path] = {}
     for path in sorted(folder.rglob("*")):
         there.setdefault(path.name, path)
@@ -101,7 +99,7 @@ def dataset_machines(
     kept = [(one, options) for one, options in every if one.file in there]
     if not kept:
         names = ", ".join(one.file for one, _ in every)
-        raise InputError(f"--from {folder}", "none of the listed recordings", f"any of {names} is accepted")
+        raise InputError(f"--from {folder}", "none of the listed recordings", f"any of {names}")
     home = growing_folder("dataset-machines", out)
     works = [Work(there[one.file], one.file, home / Path(one.file).stem, options, command) for one, options in kept]
     answers: dict[str, Answer] = dict(computed(works, jobs, progress))

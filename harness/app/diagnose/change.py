@@ -97,7 +97,7 @@ class _Ready:
             kinds = {type(one.problem) for one in found}
             if len(kinds) > 1:
                 other = recordings[one_by_one.index(True)].file
-                raise InputError("--before", f"{other} is no motion of the kind of all others", "one kind is accepted")
+                raise InputError("--before", f"{other} is no motion of the kind of all others", "one kind")
             said = [line for one in found for line in one.warnings], [line for one in found for line in one.notes]
             return cls([one.problem for one in found], lambda group: group, tuple(said[0]), tuple(said[1]))
         ready = prepared_together(recordings, options)
@@ -122,7 +122,7 @@ def result_of(
     """What changed. Raises InputError for recordings that are not of one machine, SimulationError."""
     for name in _OPTIONS:
         if getattr(options, name) not in (None, ()):
-            raise InputError(f"--{name.removesuffix('s')}", "given with --before", "it is accepted with one recording")
+            raise InputError(f"--{name.removesuffix('s')}", "given with --before", "it goes with one recording")
     recordings = [thinned(one) for one in (*before, *after)]
     ready, count = _Ready.of(recordings, options), len(before)
     groups = ready.each[:count], ready.each[count:]

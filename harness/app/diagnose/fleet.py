@@ -102,11 +102,11 @@ def read_conditions(path: Path) -> dict[str, dict[str, float]]:
     try:
         text = read_bytes(path, MEBIBYTE).decode()
     except UnicodeDecodeError:
-        raise InputError(str(path), "no text", "a CSV with a column file is accepted") from None
+        raise InputError(str(path), "no text", "a CSV with a column file") from None
     rows = csv.DictReader(text.splitlines())
     if _FILE not in (rows.fieldnames or ()):
         found = f"columns {', '.join(rows.fieldnames or ()) or 'none'}"
-        raise InputError(str(path), found, "a CSV with a column file and others of numbers is accepted")
+        raise InputError(str(path), found, "a CSV with a column file and others of numbers")
     found_of: dict[str, dict[str, float]] = {}
     for row in rows:
         name = Path(row.pop(_FILE) or "").name
@@ -118,5 +118,5 @@ def read_conditions(path: Path) -> dict[str, dict[str, float]]:
                 found_of[name][column] = float(str(value))
             except ValueError:
                 where = f"{path}, line {rows.line_num}, column {column}"
-                raise InputError(where, repr(value), "a number, or nothing, is accepted") from None
+                raise InputError(where, repr(value), "a number, or nothing") from None
     return found_of

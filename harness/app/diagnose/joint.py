@@ -59,7 +59,7 @@ def diagnose_joint(
     found = coupling(arm, log, joint)
     if found.moving and joint not in log.effort:
         said = f"no effort of it is logged, and {', '.join(found.moving)} move{'s' * (len(found.moving) == 1)} too"
-        accepted = "a log with its effort, or one in which the others stand still, is accepted"
+        accepted = "a log with its effort, or one in which the others stand still"
         raise InputError(f"{log.file}: {joint}", said, accepted)
     one = None
     if found.mode == "whole-arm":
@@ -67,7 +67,9 @@ def diagnose_joint(
     else:
         for name, value in (("--payload", asked.payload), ("--sensor", asked.sensor)):
             if value is not None:
-                raise InputError(name, "given, but one joint alone moves", "it is accepted where the whole arm moves")
+                raise InputError(
+                    name, "given, but one joint alone moves", "it goes with logs in which the whole arm moves"
+                )
         one = one_joint(log, found.reduced)
     case = JointCase(arm, log, joint, compare(arm, log, gains), asked, options, out, progress, command)
     if not case.compared.fits(joint) and not (every and any(map(case.compared.fits, log.effort))):
@@ -97,7 +99,7 @@ def _gains(asked: RobotOptions, joints: Sequence[str]) -> dict[str, float]:
     if isinstance(gain, tuple):
         if len(gain) != len(joints):
             found = f"{len(gain)} numbers, and the model has {len(joints)} joints"
-            raise InputError("--gain", found, f"one each of {', '.join(joints)}, or NAME=NUMBER,... is accepted")
+            raise InputError("--gain", found, f"one each of {', '.join(joints)}, or NAME=NUMBER,...")
         return dict(zip(joints, gain, strict=True))
     return {} if gain is None else dict(gain) if isinstance(gain, Mapping) else dict.fromkeys(joints, gain)
 
@@ -134,7 +136,7 @@ def _joint(arm: Arm, log: JointLog, asked: RobotOptions) -> tuple[str, bool]:
     told = [name for name in those if name in log.effort] or those
     if not those or (len(those) > 1 and not log.effort):
         found = f"not given, and {', '.join(those) or 'none of the joints'} move{'s' if not those else ''}"
-        raise InputError("--joint", found, f"a joint of {arm.file} is accepted: {', '.join(arm.joints)}")
+        raise InputError("--joint", found, f"a joint of {arm.file}: {', '.join(arm.joints)}")
     return told[0], len(those) > 1
 
 

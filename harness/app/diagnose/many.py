@@ -117,7 +117,7 @@ def diagnose_together(
     """
     names = {name for _, label in named for name in (label, Path(label).name)}
     if unknown := [one for one in turned if one not in names]:
-        accepted = f"{', '.join(Path(label).name for _, label in named)} are accepted"
+        accepted = f"{', '.join(Path(label).name for _, label in named)}"
         raise InputError("--flip", f"{unknown[0]}, which is none of the recordings", accepted)
     if options.servo is not None:
         return _servo(named, options, out, progress, command)
@@ -231,7 +231,7 @@ def _kept(work: Work) -> DiagnosisResult | None:
     path = work.folder / FILES["result"]
     if not path.is_file():
         return None
-    accepted = "the same file, options and version, or a new --out, are accepted"
+    accepted = "the same file, options and version, or a new --out"
     try:
         kept = DiagnosisResult.model_validate_json(path.read_text(encoding="utf-8"))
     except (ValidationError, OSError, UnicodeDecodeError):

@@ -38,7 +38,7 @@ def compare_models(recording: Recording, models: Mapping[str, Sequence[str]], op
     InputError for a name that there is not and for what cannot be fitted, SimulationError.
     """
     if not models:
-        raise InputError("models", "none", 'such as {"base": [], "drag": ["quadratic-drag"]} is accepted')
+        raise InputError("models", "none", 'names of terms by name, such as {"base": [], "drag": ["quadratic-drag"]}')
     recording = thinned(recording)
     with np.errstate(over="ignore", invalid="ignore"), errors_of(recording):
         ready = prepared(recording, options)

@@ -55,13 +55,13 @@ class RobotOptions:
         gains = () if self.gain is None else self.gain.values() if isinstance(self.gain, Mapping) else self.gain
         for value in gains if not isinstance(gains, float | int) else (gains,):
             if finite("--gain", value) == 0.0:
-                raise InputError("--gain", "0", "a number other than 0, N m per A, is accepted")
+                raise InputError("--gain", "0", "a number other than 0, N m per A")
         for value in self.offset.values():
             finite("--offset", value)
         if self.gravity is not None:
             for value in self.gravity:
                 if abs(finite("--gravity", value)) > _MOST_GRAVITY:
-                    raise InputError("--gravity", f"{value:g} m/s^2", f"at most {_MOST_GRAVITY:g} m/s^2 is accepted")
+                    raise InputError("--gravity", f"{value:g} m/s^2", f"at most {_MOST_GRAVITY:g} m/s^2")
         if self.payload is not None:
             positive("--payload", self.payload, "kg")
         if self.sensor is not None:
@@ -82,7 +82,7 @@ class RobotOptions:
             return cls(robot, **told)
         for name in told:
             option = f"--{name.replace('_', '-')}"
-            raise InputError(option, "given without --robot", "it is accepted with --robot FILE")
+            raise InputError(option, "given without --robot", "it goes with --robot FILE")
         return None
 
     def settings(self) -> dict[str, Any]:
@@ -115,7 +115,7 @@ def _named(option: str, text: str) -> dict[str, str]:
     for part in text.split(","):
         name, equals, value = (piece.strip() for piece in part.partition("="))
         if not (name and equals and value):
-            raise InputError(option, repr(part), "NAME=VALUE,... is accepted")
+            raise InputError(option, repr(part), "NAME=VALUE,...")
         found[name] = value
     return found
 
@@ -128,7 +128,7 @@ def _number(option: str, text: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise InputError(option, repr(text), "a number, or NAME=NUMBER,..., is accepted") from None
+        raise InputError(option, repr(text), "a number, or NAME=NUMBER,...") from None
 
 
 _READ: Mapping[str, Callable[[str], Any]] = {
@@ -212,12 +212,12 @@ class DiagnoseOptions:
             if (value := getattr(self, name)) is not None:
                 positive(f"--{name}", value, unit)
         if self.dt is not None and self.preset == "as-shipped":
-            accepted = "it is accepted with tuned: as shipped has its own"
+            accepted = "it goes with tuned: as shipped has its own"
             raise InputError("--dt", "given with --preset as-shipped", accepted)
         if self.zero == "spring" and self.restoring not in (None, Restoring.SPRING):
             found = f"spring with --restoring {self.restoring.value if self.restoring else ''}"
-            raise InputError("--zero", found, "free is accepted there")
-        one = "one of the two is accepted"
+            raise InputError("--zero", found, "free")
+        one = "one of the two"
         if self.sim is not None and (self.preset == "as-shipped" or self.dt is not None):
             option = "--dt" if self.dt is not None else "--preset as-shipped"
             raise InputError("--sim", f"given with {option}", f"{one}: a trace has its own settings")
@@ -226,7 +226,7 @@ class DiagnoseOptions:
             raise InputError("--covariate", f"given with {other}", f"{one}: a simulation is not given covariates")
         names = [acting.name for acting in self.covariates]
         if twice := [name for name in names if names.count(name) > 1]:
-            raise InputError("--covariate", f"{twice[0]} given twice", "each column once is accepted")
+            raise InputError("--covariate", f"{twice[0]} given twice", "each column once")
         for name in self.engines:
             registry.check(name, "--engine")
         if self.robot is not None:
@@ -235,7 +235,7 @@ class DiagnoseOptions:
             for option in ("model", "sim", "validate", "trace", "covariates", "mass", "restoring", "zero"):
                 if getattr(self, option) not in (None, ()):
                     found = f"given with --{option.removesuffix('s')}"
-                    raise InputError("--servo", found, "one of the two is accepted")
+                    raise InputError("--servo", found, "one of the two")
 
     def _check_robot(self) -> None:
         """Refuse what a robot's model says itself, and what is not done with a log of joints."""
@@ -245,7 +245,7 @@ class DiagnoseOptions:
         for option in ("model", "sim", "validate", "trace", "covariates"):
             if getattr(self, option) not in (None, ()):
                 said = f"given with --{option.removesuffix('s')}"
-                raise InputError("--robot", said, "one of the two is accepted")
+                raise InputError("--robot", said, "one of the two")
 
     @classmethod
     def chosen(
@@ -329,7 +329,7 @@ def _covariate(text: str) -> AskedCovariate:
     if not colon:
         name = kind
     if not name.strip():
-        raise InputError("--covariate", f"'{text}'", "NAME or NAME:force, :friction or :damping is accepted")
+        raise InputError("--covariate", f"'{text}'", "NAME or NAME:force, :friction or :damping")
     if not colon:
         return AskedCovariate(name.strip())
     choice("--covariate, after the colon", kind, tuple(acts.value for acts in Acts))

@@ -57,13 +57,13 @@ def prepared(recording: Recording, options: DiagnoseOptions) -> Prepared:
     Raises InputError for a recording that cannot be diagnosed, and for options that do not go with it.
     """
     if options.horizon is not None and not is_driven(recording):
-        accepted = "it is accepted with a driven recording"
+        accepted = "it goes with a driven recording"
         raise InputError("--horizon", f"given, but {recording.file} has no measured force", accepted)
     _refuse(recording)
     given = [name for name in ("model", "sim", "validate", "horizon") if getattr(options, name) is not None]
     if recording.steady and given:
         found = f"given with {recording.file}, a table of speeds and forces without a time"
-        raise InputError(f"--{given[0]}", found, "it is accepted with a recording of a motion")
+        raise InputError(f"--{given[0]}", found, "it goes with a recording of a motion")
     asked = Asked(
         options.restoring, options.zero_free, options.mass, options.horizon, options.covariates, options.guarded
     )
@@ -100,13 +100,13 @@ def _refuse(recording: Recording) -> None:
         low, high = float(np.mean(y == y.min())), float(np.mean(y == y.max()))
         if min(low, high) > _RAIL and low + high > _RAILS:
             share = f"{100.0 * (low + high):.0f} % of its samples at {y.min():.4g} or {y.max():.4g}"
-            accepted = "a channel mostly within its range is accepted"
+            accepted = "a channel mostly within its range"
             raise InputError(f"{recording.file}: channel {name}", f"saturated throughout ({share})", accepted)
     given = {c: recording.units[c] for c in ("x", "a") if recording.units.get(c)}
     angles = {"rad" in unit or "deg" in unit or "°" in unit for unit in given.values()}
     if len(angles) == 2:
         found = f"x in {given['x']} with a in {given['a']}, which cannot belong together"
-        raise InputError(recording.file, found, "both as angles or both as lengths is accepted")
+        raise InputError(recording.file, found, "both as angles or both as lengths")
 
 
 def _channels(recording: Recording, problem: Problem) -> tuple[tuple[Consistency, ...], tuple[str, ...]]:
@@ -122,7 +122,7 @@ def _channels(recording: Recording, problem: Problem) -> tuple[tuple[Consistency
     said = []
     for one in channels:
         if not one.related:
-            accepted = _turned(recording, one.pair[1]) if one.mirrored else "channels of one motion are accepted"
+            accepted = _turned(recording, one.pair[1]) if one.mirrored else "channels of one motion"
             raise InputError(f"{recording.file}: channels {' and '.join(one.pair)}", one.sentence, accepted)
         gain = one.gain.value
         if gain is not None and not one.consistent and max(gain, 1.0 / gain) > _SUSPECT:
@@ -146,8 +146,8 @@ def errors_of(recording: Recording) -> Iterator[None]:
         where = recording.file if error.where == "recording" else error.where
         raise InputError(where, error.found, error.accepted) from error
     except SimulationError as error:
-        accepted = "a part of it (--from, --to), or another --restoring or --zero, may be accepted"
-        raise SimulationError(f"{recording.file}: {error}; {accepted}") from error
+        accepted = "a part of it that can (--from, --to), or another --restoring or --zero"
+        raise SimulationError(f"{recording.file}: {error}; expected {accepted}") from error
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,7 +171,7 @@ def validation(recording: Recording, options: DiagnoseOptions) -> Validation | N
     if is_driven(other) != is_driven(recording):
         kinds = ("a free decay", "a driven recording")
         found = f"{kinds[is_driven(other)]}, {other.file}"
-        raise InputError("--validate", found, f"{kinds[is_driven(recording)]} is accepted, as {recording.file} is")
+        raise InputError("--validate", found, f"{kinds[is_driven(recording)]}, as {recording.file} is")
     other = as_kind_of(other, recording, "--validate")
     # the published protocol knows no covariates
     judged = is_driven(other) and not options.covariates

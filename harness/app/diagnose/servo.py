@@ -131,7 +131,7 @@ def _case(named: Sequence[tuple[Path, str]], options: DiagnoseOptions) -> ServoC
     known = None if asked.name is None else preset(asked.name)
     gains = asked.gains
     if len(gains) not in (0, 1, len(logs)):
-        raise InputError("--servo", f"{len(gains)} gains for {len(logs)} logs", "one, or one a log is accepted")
+        raise InputError("--servo", f"{len(gains)} gains for {len(logs)} logs", "one, or one a log")
     each = gains if len(gains) == len(logs) else (gains or (None,)) * len(logs)
     runs = tuple(run_of(log, joint, known, gain, arm) for log, gain in zip(logs, each, strict=True))
     return ServoCase(tuple(logs), joint, runs, known, arm, options)

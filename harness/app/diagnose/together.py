@@ -131,7 +131,7 @@ def _refuse_options(options: DiagnoseOptions) -> None:
         if getattr(options, name) not in (None, ()):
             one = "recording, whose mismatch is divided" if name in ("model", "sim") else "driven recording"
             found = f"given with --{name.removesuffix('s')}"
-            raise InputError("--together", found, f"it is accepted with one {one}")
+            raise InputError("--together", found, f"it goes with one {one}")
 
 
 def _laid(recordings: Sequence[Recording], problem: Together | ForcesTogether, outcome: Outcome) -> Recording:

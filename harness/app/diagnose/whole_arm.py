@@ -96,7 +96,7 @@ def _told(case: JointCase, found: WholeArm) -> list[JointFriction]:
         return known
     where = f"{case.log.file}: {case.joint}"
     if case.joint not in [one.joint for one in found.joints]:
-        raise InputError(where, "no effort of it is logged", f"{', '.join(o.joint for o in found.joints)} are accepted")
+        raise InputError(where, "no effort of it is logged", f"{', '.join(o.joint for o in found.joints)}")
     if case.joint not in [one.joint for one in known]:
         those = f"a joint that does: {', '.join(one.joint for one in known)}"
         raise InputError(where, "it does not move to and fro enough", those)

@@ -122,12 +122,12 @@ class _Proof:
     def _check(self) -> None:
         """Whether what the folder holds can be gone on with by this program."""
         if self._ledger.broken_at() is not None:
-            raise InputError(str(self._folder / LEDGER), "was changed", "the transcript as it was written is accepted")
+            raise InputError(str(self._folder / LEDGER), "was changed", "the transcript as it was written")
         about = self._ledger.content(STEPS[0])
         self._sizes = Sizes.of(about["sizes"])
         self._beside = tuple(about.get("beside", self._beside))
         if not self._done(STEPS[3]) and about["code"] != code_digest():
-            accepted = "the same version, or a new proof, is accepted"
+            accepted = "the same version, or a new proof"
             raise InputError("--resume", f"{self._folder.name} was begun by another version of the program", accepted)
 
     def _begin(self) -> None:
@@ -212,7 +212,7 @@ class _Proof:
     def _secret(self) -> dict[str, Any]:
         found = self._store.take_secret()
         if found is None:
-            accepted = "a new proof is accepted"
+            accepted = "a new proof"
             raise InputError("--resume", f"the seed of {self._folder.name} is lost, it was stopped too hard", accepted)
         return found
 

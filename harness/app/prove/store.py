@@ -48,7 +48,7 @@ class Store:
         except FileNotFoundError:
             return None
         except (OSError, ValueError):
-            accepted = "the file as it was written, or a new proof, is accepted"
+            accepted = "the file as it was written, or a new proof"
             raise InputError(str(self.secret), "cannot be read", accepted) from None
 
     def forget(self) -> None:
@@ -140,7 +140,7 @@ def published_verdicts(path: Path) -> dict[str, bytes]:
             one = parse_json(line)
             found[str(one["name"])] = b"" if one["said"] is None else canonical(one["said"])
     except (InputError, OSError, ValueError, KeyError, TypeError):
-        raise InputError(str(path), "no verdicts of a proof", "the file as it was published is accepted") from None
+        raise InputError(str(path), "no verdicts of a proof", "the file as it was published") from None
     return found
 
 

@@ -43,7 +43,7 @@ def verify_proof(folder: Path, short: bool = False, jobs: int | None = None, pro
     """
     ledger = Ledger.load(folder)
     if is_unfinished(ledger):
-        raise InputError(str(folder), "a proof that was not finished", "a finished one is accepted")
+        raise InputError(str(folder), "a proof that was not finished", "a finished one")
     wrong = check_transcript(ledger)
     if wrong:
         return _said(folder, ledger, wrong)

@@ -39,7 +39,7 @@ def rebuild(place: Path, out: Path | None = None) -> tuple[Shown, Path]:
     trace = find_trace(place)
     page = out or (place / PAGE if place.is_dir() else trace.with_suffix(".html"))
     if out is not None and out.exists():
-        raise StoreError(f"--out {out}: it exists; a new file is accepted")
+        raise StoreError(f"--out {out}: it exists; expected a new file")
     stored = read_trace(trace)
     try:
         data = stored.properties["result"]
@@ -54,7 +54,7 @@ def rebuild(place: Path, out: Path | None = None) -> tuple[Shown, Path]:
     return result, page
 
 
-_ACCEPTED = "a trace written by harness run, identify, compare or diagnose is accepted"
+_ACCEPTED = "a trace written by harness run, identify, compare or diagnose"
 
 
 def _run(stored: StoredTrace, data: Any) -> tuple[RunResult, Page]:

@@ -20,9 +20,9 @@ def find_trace(place: Path) -> Path:
     """
     path = place / TRACE if place.is_dir() else place
     if not path.is_file():
-        raise InputError(str(path), "no such file", f"an output folder with {TRACE}, or a .rrd, is accepted")
+        raise InputError(str(path), "no such file", f"an output folder with {TRACE}, or a .rrd")
     if path.suffix.lower() != ".rrd":
-        raise InputError(str(path), f"a {path.suffix or 'nameless'} file", "an output folder or a .rrd is accepted")
+        raise InputError(str(path), f"a {path.suffix or 'nameless'} file", "an output folder or a .rrd")
     return path
 
 
@@ -40,9 +40,9 @@ def view(places: Sequence[Path], web: bool = False) -> int:
     beside = str(Path(sys.executable).parent)
     program = shutil.which("rerun", path=beside) or shutil.which("rerun")
     if program is None:
-        raise InputError("rerun", "not found", "an installed rerun-sdk, whose viewer this is, is accepted")
+        raise InputError("rerun", "not found", "an installed rerun-sdk, whose viewer this is")
     if not web and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-        raise InputError("screen", "neither DISPLAY nor WAYLAND_DISPLAY is set", "a screen, or --web, is accepted")
+        raise InputError("screen", "neither DISPLAY nor WAYLAND_DISPLAY is set", "a screen, or --web")
     if len(traces) == 1:
         return subprocess.run(viewer_command(program, traces[0], web), check=False).returncode
     with tempfile.TemporaryDirectory() as folder:
@@ -59,11 +59,11 @@ def overlay(places: Sequence[Path], target: Path) -> None:
     """
     traces = [find_trace(place) for place in places]
     if not 2 <= len(traces) <= MOST:
-        raise InputError("view", f"{len(traces)} traces", f"2 to {MOST} are accepted to be laid over each other")
+        raise InputError("view", f"{len(traces)} traces", f"2 to {MOST} to be laid over each other")
     whole = [trace.resolve() for trace in traces]
     twice = next((trace for trace in traces if whole.count(trace.resolve()) > 1), None)
     if twice is not None:
-        raise InputError(str(twice), "given twice", "traces that are not the same are accepted")
+        raise InputError(str(twice), "given twice", "traces that are not the same")
     # imported when it is needed: numpy and the viewer's library come along
     from harness.show.overlay_scene import named, overlay_scene
     from harness.show.stored import read_trace

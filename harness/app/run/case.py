@@ -115,7 +115,7 @@ class ModelScenario:
         if duration is not None:
             return cls(model, positive("--duration", duration, "s"), own=own)
         if model.restoring is Restoring.NONE:
-            raise InputError(label, "a free axis, without a period", "--duration is needed with it")
+            raise InputError(label, "a free axis, without a period", "--duration with it")
         return cls(model, _long_enough(model), own=own)
 
     @property

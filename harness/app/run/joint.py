@@ -123,7 +123,7 @@ def run_joint(
     own = reduced(arm, joint)
     if own.ratios:
         found = f"it moves {', '.join(own.ratios)} by a ratio, and the others are held here"
-        raise InputError(f"{arm.file}: joint {joint}", found, "a joint that moves by itself is accepted")
+        raise InputError(f"{arm.file}: joint {joint}", found, "a joint that moves by itself")
     with leaving(f"run-{joint}", out) as output:
         result, motions = _computed(arm, own, asked, progress, command)
         named = dict(FILES)

@@ -56,15 +56,15 @@ class RunOptions:
     def __post_init__(self) -> None:
         registry.check_asked(self.engines, self.presets, self.dt)
         if self.dt is not None and "tuned" not in self.presets:
-            accepted = "it is accepted with tuned: as shipped has its own"
+            accepted = "it goes with tuned: as shipped has its own"
             raise InputError("--dt", "given with --preset as-shipped", accepted)
         if self.scenario.duration / self.interval > MOST_SAMPLES:
             found = f"{self.scenario.duration / self.interval:.3g} samples"
-            raise InputError("--duration", found, f"at most {MOST_SAMPLES} steps of --dt are accepted")
+            raise InputError("--duration", found, f"at most {MOST_SAMPLES} steps of --dt")
         cycles = max(self.scenario.duration, self.interval) * self.scenario.omega / math.pi
         if cycles > MOST_CYCLES:
             found = f"{cycles:.3g} half-cycles in {max(self.scenario.duration, self.interval):.3g} s"
-            raise InputError("scenario", found, f"at most {MOST_CYCLES} are accepted")
+            raise InputError("scenario", found, f"at most {MOST_CYCLES}")
 
     @classmethod
     def asked(
@@ -108,19 +108,19 @@ class RunOptions:
 def _of_model(model: Given, scenario: str | None, given: Mapping[str, float | None]) -> ModelScenario:
     """A model in place of a scenario; an MJCF or a URDF does not say where its joint is let go: x0, v0 of ``given``."""
     if scenario is not None:
-        raise InputError("--model", f"given with the scenario {scenario}", "one of the two is accepted")
+        raise InputError("--model", f"given with the scenario {scenario}", "one of the two")
     own = own_model(Path(model)) if isinstance(model, str | PathLike) and is_own(Path(model)) else None
     free = ("duration",) if own is None else ("duration", "x0", "v0")
     for name, value in given.items():
         if name not in free and value is not None:
             option = f"--{name.replace('_', '-')}"
-            raise InputError("--model", f"given with {option} {value:g}", f"the model's own {name} is accepted")
+            raise InputError("--model", f"given with {option} {value:g}", f"the model's own {name}")
     label = str(model) if isinstance(model, str | PathLike) else "model"
     if own is None:
         return ModelScenario.of(model_of(model), given.get("duration"), label)
     x0, v0 = given.get("x0"), given.get("v0")
     if not x0 and not v0:
-        raise InputError(label, "it does not say where its joint is let go", "--x0 or --v0 is needed with it")
+        raise InputError(label, "it does not say where its joint is let go", "--x0 or --v0 with it")
     released = replace(own.slider, x0=x0 or 0.0, v0=v0 or 0.0)
     return ModelScenario.of(released, given.get("duration"), label, own)
 
@@ -132,9 +132,9 @@ def _held(
     choice("--restoring", restoring, ("spring", "pendulum"))
     if model is not None:
         label = model if isinstance(model, str | PathLike) else "model"
-        raise InputError("--restoring", f"given with --model {label}", "the model's own is accepted")
+        raise InputError("--restoring", f"given with --model {label}", "the model's own")
     if scenario not in (None, FREE_DECAY.name):
-        raise InputError("--restoring", f"given with the scenario {scenario}", f"{FREE_DECAY.name} is accepted")
+        raise InputError("--restoring", f"given with the scenario {scenario}", f"{FREE_DECAY.name}")
     if restoring == "spring":
         return suite.chosen(FREE_DECAY.name, given)
     own = suite.chosen(FREE_DECAY.name, {name: value for name, value in given.items() if name != "duration"})

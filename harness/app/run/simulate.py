@@ -30,7 +30,7 @@ def motion_of(model: Given, t: FloatArray) -> Trajectory:
         raise InputError(
             "simulate: t",
             f"{early} times before {found.t0:.9g} s, where the model begins and moves already",
-            f"times from there on are accepted: t[t >= {found.t0!r}]",
+            f"times from there on: t[t >= {found.t0!r}]",
         )
     return simulate(found, t)
 

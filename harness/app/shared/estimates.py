@@ -29,14 +29,14 @@ def as_spring(recording: Recording) -> Recording:
     """
     if not recording.angular:
         found = f"pendulum, but {recording.file} holds no angle"
-        raise InputError("--restoring", found, "a unit such as rad or deg, x[rad] in --columns, is accepted with it")
+        raise InputError("--restoring", found, "a unit such as rad or deg, x[rad] in --columns")
     try:
         problem, _ = prepare(recording, Asked(Restoring.PENDULUM))
         model = baseline(problem)[0].model
         moving = recording.cut(slice(int(np.searchsorted(recording.t, problem.t[0])), None))
         hanging, sprung = (_shown(one, moving) for one in (model, replace(model, restoring=Restoring.SPRING)))
     except SimulationError as error:
-        raise InputError(recording.file, f"no pendulum fits: {error}", "a pendulum's free decay is accepted") from None
+        raise InputError(recording.file, f"no pendulum fits: {error}", "a pendulum's free decay") from None
     channels = {c: y - hanging[c] + sprung[c] for c, y in moving.channels.items() if c in hanging}
     return replace(moving, channels=channels)
 
@@ -61,7 +61,7 @@ WHOLE = {"acceleration": ("a", "v"), "displacement": ("x",)}
 """Methods that know both viscous and dry friction, with the channels they read; where they fail, nothing else holds."""
 
 
-FREE = "a free decay of at least three half-cycles is accepted"
+FREE = "a free decay of at least three half-cycles"
 
 
 def estimate(recording: Recording, restoring: Swing = "spring") -> Estimation:

@@ -49,7 +49,7 @@ def this_machine(seeds: dict[str, int] | None = None) -> Machine:
 def left_out() -> tuple[str, ...]:
     """A sentence for each engine that is usually taken and that this Python cannot have."""
     return tuple(
-        f"{name} is left out: it has no wheel for this Python; harness doctor says what to do"
+        f"{name} is not run: it has no wheel for this Python; harness doctor says what to do"
         for name in registry.USUAL
         if name not in registry.usual()
     )

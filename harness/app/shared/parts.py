@@ -9,7 +9,7 @@ from harness.robot.reduction import Reduced
 def only_joint(arm: Arm) -> str:
     """The one joint of an arm, where none is named; raises InputError where there are several."""
     if len(arm.joints) != 1:
-        raise InputError("--joint", "not given", f"a joint of {arm.file} is accepted: {', '.join(arm.joints)}")
+        raise InputError("--joint", "not given", f"a joint of {arm.file}: {', '.join(arm.joints)}")
     return arm.joints[0]
 
 

@@ -84,17 +84,14 @@ class Cluster:
         try:
             distributed: Any = import_module("distributed")
         except ImportError:
-            raise InputError(
-                "--cluster", "dask.distributed is not installed", "friction-harness[cluster] has it"
-            ) from None
+            install = "try: pip install 'friction-harness[cluster]'"
+            raise InputError("--cluster", "dask.distributed is not installed", install) from None
         self._address = address
         try:
             self._client = distributed.Client(address, timeout=timeout_s, set_as_default=False)
         except (OSError, ValueError, TimeoutError) as error:
             found = f"no scheduler answers ({type(error).__name__})"
-            raise InputError(
-                f"--cluster {address}", found, "an address such as tcp://127.0.0.1:8786 is accepted"
-            ) from None
+            raise InputError(f"--cluster {address}", found, "an address such as tcp://127.0.0.1:8786") from None
         self.renew()
         self._seen = time.monotonic()
         while not (threads := self._client.nthreads()):
@@ -119,7 +116,7 @@ class Cluster:
             self._seen = now
         elif now - self._seen > WORKERLESS_S:
             raise HarnessError(
-                f"--cluster {self._address}: no worker for {WORKERLESS_S:.0f} s; a scheduler with workers is accepted"
+                f"--cluster {self._address}: no worker for {WORKERLESS_S:.0f} s; expected a scheduler with workers"
                 f" (dask worker {self._address})"
             )
 

@@ -30,7 +30,7 @@ def read(path: Path, options: ReadOptions, trace: str | None = None) -> Recordin
     Raises InputError naming what is wrong, and where.
     """
     if trace is not None and path.suffix.lower() != ".rrd":
-        raise InputError("--trace", f"given for {path}", "it is accepted for a .rrd of ours alone")
+        raise InputError("--trace", f"given for {path}", "it goes with a .rrd of ours alone")
     return read_recording(path, options, lambda file: _from_rrd(file, trace))
 
 
@@ -82,7 +82,7 @@ def spooled(stream: BinaryIO) -> Iterator[Path]:
                 file.write(piece)
                 left -= len(piece)
         if not left:
-            raise InputError("-", f"more than {MOST_BYTES} bytes", "at most as many are accepted")
+            raise InputError("-", f"more than {MOST_BYTES} bytes", "at most as many")
         yield Path(name)
     finally:
         with suppress(OSError):
@@ -99,7 +99,7 @@ def _from_rrd(path: Path, trace: str | None) -> Recording:
         return next(iter(found.values()))
     if trace not in found:
         text = "no --trace" if trace is None else f"no trace '{trace}'"
-        raise InputError(f"{path}", f"{text} among {len(found)}", f"--trace with one of {', '.join(found)} is accepted")
+        raise InputError(f"{path}", f"{text} among {len(found)}", f"--trace with one of {', '.join(found)}")
     return found[trace]
 
 

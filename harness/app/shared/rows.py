@@ -41,10 +41,10 @@ def folder_of(name: str, out: Path | None, resume: bool, what: str, begun: str =
     if not resume:
         return growing_folder(name, out)
     if out is None:
-        raise InputError("--resume", "given without --out", f"the folder of the {what} to go on with is accepted")
+        raise InputError("--resume", "given without --out", f"it goes with --out, the folder of the {what}")
     if not (out / begun).exists():
         found = f"holds no {what} to resume" if begun else "no such folder to resume"
-        raise InputError(f"--out {out}", found, "the folder of one, or no --resume, is accepted")
+        raise InputError(f"--out {out}", found, "the folder of one, or no --resume")
     return out.absolute()
 
 

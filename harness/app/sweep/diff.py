@@ -56,7 +56,7 @@ def stored_rows(path: Path) -> Rows:
             return {name: row.model_dump() for name, row in Baseline.model_validate_json(data).rows.items()}
         return {row.name: kept(row.model_dump()) for row in SweepResult.model_validate_json(data).rows}
     except ValidationError:
-        raise InputError(str(file), "no harness.sweep/1 and no harness.baseline/1", f"{accepted} is accepted") from None
+        raise InputError(str(file), "no harness.sweep/1 and no harness.baseline/1", accepted) from None
 
 
 def side(given: str, options: SweepOptions, baseline: Path | None, progress: Progress = SILENT) -> Side:
@@ -193,7 +193,7 @@ def diff(
         before, after = (side(given, options, baseline, progress) for given in (a, b))
         for one in (before, after):
             if not one.rows:
-                raise InputError(one.given, "has no such rows", "other patterns, or none, are accepted")
+                raise InputError(one.given, "has no such rows", "other patterns, or none")
         there = {name: output.at(FILES[name]) for name in ("result", "report", "log")}
         result = compared(before, after, options.rows).model_copy(update={"files": there})
         result = result.drawn(partial(diff_page))

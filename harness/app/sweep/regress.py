@@ -31,9 +31,9 @@ def load_baseline(path: Path) -> Baseline:
     try:
         return Baseline.model_validate_json(read_bytes(path, MOST_DOCUMENT_BYTES))
     except InputError as error:
-        raise InputError(f"--baseline {path}", error.found, "a file --update wrote is accepted") from None
+        raise InputError(f"--baseline {path}", error.found, "a file --update wrote") from None
     except ValidationError:
-        raise InputError(f"--baseline {path}", "no harness.baseline/1", "a file --update wrote is accepted") from None
+        raise InputError(f"--baseline {path}", "no harness.baseline/1", "a file --update wrote") from None
 
 
 def fresh_rows(options: SweepOptions, progress: Progress = SILENT) -> Rows:
@@ -188,7 +188,7 @@ def compared_traces(folder: Path, baseline: Path | None, rows: Selection | None 
     """
     files = sorted(folder.rglob("*.rrd"))
     if not files:
-        raise InputError(f"--traces {folder}", "no .rrd files", "the traces folder of a sweep is accepted")
+        raise InputError(f"--traces {folder}", "no .rrd files", "the traces folder of a sweep")
     rows = rows or Selection()
     found = {row["name"]: (row, stored) for row, stored in map(recomputed, files) if rows.runs(row["name"])}
     if baseline is not None:

@@ -154,7 +154,7 @@ def recomputed(path: Path) -> tuple[dict[str, Any], dict[str, float | None]]:
         row = {"environment": ""} | about["row"]  # traces of before it was told
         scenario = scenario_of(stored.properties["scenario"])
     except (KeyError, TypeError):
-        raise InputError(str(path), "no trace of a sweep", "a .rrd that --keep-traces wrote is accepted") from None
+        raise InputError(str(path), "no trace of a sweep", "a .rrd that --keep-traces wrote") from None
     before = dict(row["metrics"])
     row["metrics"] = measure_row(stored.trajectories[1], scenario)
     return row, before

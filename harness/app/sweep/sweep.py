@@ -138,13 +138,13 @@ def engines_for(options: SweepOptions) -> dict[str, Engine]:
         try:
             found = {name: registry.load(name) for name in dict.fromkeys(options.engines)}
         except SimulationError as error:
-            raise InputError("--engine", str(error), "an installed engine is accepted") from None
+            raise InputError("--engine", str(error), "an installed engine") from None
     else:
         found = {name: registry.load(name) for name, why in registry.available().items() if why is None}
     labels = [engine.label for engine in found.values()]
     if twice := {label for label in labels if labels.count(label) > 1}:
         same = ", ".join(sorted(twice))
-        raise InputError("--engine", f"{same} twice", "environments with names of their own are accepted")
+        raise InputError("--engine", f"{same} twice", "environments with names of their own")
     for preset in options.presets:
         choice("--preset", preset, preset_names(found))
     return found

@@ -63,7 +63,7 @@ def tune_joint(
     at = arm.index(joint)
     f_k, c = float(arm.frictionloss[at]), float(arm.damping[at])
     if f_k == 0.0:
-        accepted = "a joint with frictionloss (MJCF) or friction (URDF) is accepted; harness diagnose --robot finds it"
+        accepted = "a joint with frictionloss (MJCF) or friction (URDF); harness diagnose --robot finds it"
         raise InputError(f"{file}: joint {joint}", "no dry friction: there is nothing to tune", accepted)
     poses = {number: _posed(arm, joint, number) for number in (*SEARCH, *HELD_OUT)}
     subject = Subject(lambda number: _sliders(poses[number], f_k, c), SCENARIOS)
@@ -137,20 +137,18 @@ def tune(
         positive("--max-cost", most)
     found = space(name.partition("@")[0], route)
     if found is None:
-        raise InputError(
-            f"engine {name}", f"no table of settings for the {route} route", f"{'; '.join(tunable())} are accepted"
-        )
+        raise InputError(f"engine {name}", f"no table of settings for the {route} route", f"{'; '.join(tunable())}")
     try:
         engine = registry.load(name)
     except SimulationError as error:
-        raise InputError(f"engine {name}", str(error), "an installed engine is accepted") from None
+        raise InputError(f"engine {name}", str(error), "an installed engine") from None
     subject, defaults = subject or Subject(), engine.presets(route, "as-shipped", dt)
     found = found.of_file(subject.own, defaults)
     trial = Trial(engine, route, dt, subject)
     shipped = trial.rows({}, HELD_OUT)
     if math.isinf(score_of(shipped)):
         why = next(row.error for row in shipped if row.error is not None)
-        raise InputError(f"--dt {dt:g}", f"what ships cannot run at this step ({why})", "a smaller step is accepted")
+        raise InputError(f"--dt {dt:g}", f"what ships cannot run at this step ({why})", "a smaller step")
 
     def tell(done: int) -> None:
         progress("settings scored", done, max(done, EXPECTED))
@@ -197,18 +195,18 @@ _CHANNELS = {"m/s": "v", "m": "x", "s": "t"}
 def goal(text: str) -> Goal:
     """From "creep<.01mm/s" or "zeta < 1%". Raises InputError, about --meet, for what says no figure, limit or unit."""
     found = _GOAL.fullmatch(text)
-    accepted = f"try: --meet 'creep<0.01mm/s'; figures are {', '.join(METRICS)}"
+    accepted = "try: --meet 'creep<0.01mm/s'"
     if found is None:
         raise InputError("--meet", repr(text), accepted)
     if found["name"] not in METRICS:
-        raise InputError("--meet", f"{found['name']!r} is no figure", accepted)
+        raise InputError("--meet", f"{found['name']!r} is none of the figures {', '.join(METRICS)}", accepted)
     unit = METRICS[found["name"]][1]
     if unit != "1":
         factor = parse_unit("--meet", _CHANNELS[unit], found["unit"] or None).factor
     elif found["unit"] in ("%", ""):
         factor = 0.01 if found["unit"] else 1.0
     else:
-        raise InputError("--meet", f"{text!r} has the unit {found['unit']}", "a share, or % is accepted")
+        raise InputError("--meet", f"{text!r} has the unit {found['unit']}", "a share, or %")
     return Goal(found["name"], positive("--meet", factor * float(found["limit"]), unit))
 
 

@@ -60,10 +60,10 @@ def command(
     if stored[0] == stored[1]:
         ours = ReadOptions(sim_columns or theirs.columns, theirs.skip_rows, theirs.rate, drop_nan=theirs.drop_nan)
     if no_shift and shift:
-        raise InputError("--no-shift", f"given with --shift {shift:g}", "one of the two is accepted")
+        raise InputError("--no-shift", f"given with --shift {shift:g}", "one of the two")
     shift = 0.0 if no_shift else shift
     if shift is not None and not math.isfinite(shift):
-        raise InputError("--shift", f"{shift}", "a finite number of seconds is accepted")
+        raise InputError("--shift", f"{shift}", "a finite number of seconds")
     names = sim_trace or (trace if stored[0] else None), trace if stored[1] or not stored[0] else None
     with to.told() as progress:
         result = compare(sim, real, (ours, theirs), names, to.out, progress, this_line(), shift)

@@ -34,10 +34,10 @@ def command(name: str, folder: Path | None, into: Path | None, jobs: int | None,
     """
     if name == "machines":
         if into is not None:
-            accepted = "--from DIR is accepted: their files are fetched by hand"
+            accepted = "--from DIR: their files are fetched by hand"
             raise InputError("--download", "given with machines", accepted)
         if folder is None:
-            raise InputError("--from", "not given", "the folder with the recordings is accepted")
+            raise InputError("--from", "not given", "the folder with the recordings")
         from harness.app.dataset.machines import dataset_machines
 
         with to.told() as progress:
@@ -45,11 +45,11 @@ def command(name: str, folder: Path | None, into: Path | None, jobs: int | None,
         to.give(machines, _print_machines)
         return 1 if any(row.verdict == "error" for row in machines.rows) else 0
     if jobs is not None:
-        raise InputError("--jobs", "given with emps, which is one recording", "it is accepted with machines")
+        raise InputError("--jobs", "given with emps, which is one recording", "it goes with machines")
     from harness.app.dataset.emps import dataset_emps, download_emps
 
     if (folder is None) == (into is None):
-        raise InputError("--from, --download", "neither" if into is None else "both", "one of the two is accepted")
+        raise InputError("--from, --download", "neither" if into is None else "both", "one of the two")
     with to.told() as progress:
         if folder is None:
             assert into is not None

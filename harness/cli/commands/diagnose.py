@@ -31,7 +31,7 @@ from harness.core.errors import InputError
 STANDARD_INPUT = "-"
 
 
-@click.command(short_help="Which physics a simulation leaves out of a recording, and the model that has it.")
+@click.command(short_help="Which physics of a recording a simulation misses, and the model that has it.")
 @click.argument("recordings", metavar="RECORDING...", nargs=-1, type=PATH)
 @click.option("--model", type=PATH, metavar="FILE", help="Your simulation: model.json, MJCF or URDF.")
 @click.option("--sim", type=PATH, metavar="TRACE", help="A trace of your own simulation.")
@@ -137,7 +137,7 @@ def command(
     to: Output,
     **chosen: Any,
 ) -> int:
-    """Where a simulation and a RECORDING differ, which physics was left out, and the model that has it.
+    """Where a simulation and a RECORDING differ, which physics it misses, and the model that has it.
 
     Viscous and Coulomb friction are fitted first; what they leave is located, named from the catalogue (or said to be
     unknown, or to be nothing), fitted, and shown before and after in the reference and in the engines. "-" reads CSV
@@ -173,7 +173,7 @@ def command(
             check_file(path)
     if sim is None:
         given = sim_reading | {"sim_skip_rows": sim_reading["sim_skip_rows"] or None}
-        refuse("given without --sim", "it is accepted with --sim TRACE", **given)
+        refuse("given without --sim", "it goes with --sim TRACE", **given)
     from harness.app.diagnose.options import DiagnoseOptions, RobotOptions, ServoOptions
     from harness.app.shared.reading import ReadOptions
 
@@ -195,11 +195,11 @@ def command(
         **chosen,
     )
     with_robot = conditions if robot is None or not several else None
-    refuse("given", "it is accepted with several logs and --robot FILE", conditions=with_robot)
-    refuse("given with several logs", "it is accepted with one", join=(several and reading["join"]) or None)
+    refuse("given", "it goes with several logs and --robot FILE", conditions=with_robot)
+    refuse("given with several logs", "it goes with one", join=(several and reading["join"]) or None)
     _refuse_beside(cluster, several, together, resume, jobs)
     if before:
-        refuse("given with --before", "it is accepted without", together=together or None, resume=resume, jobs=jobs)
+        refuse("given with --before", "it goes without", together=together or None, resume=resume, jobs=jobs)
         from harness.app.diagnose.change import change
 
         with to.told() as progress:
@@ -230,11 +230,11 @@ def command(
 def _refuse_beside(cluster: str | None, several: bool, together: bool, resume: bool, jobs: int | None) -> None:
     """Raise InputError for what is of several that are diagnosed each, and of processes here."""
     if cluster is not None and not several:
-        raise InputError(f"--cluster {cluster}", "given with one diagnosis", "it is accepted with several recordings")
+        raise InputError(f"--cluster {cluster}", "given with one diagnosis", "it goes with several recordings")
     if cluster is not None:
-        refuse("given with --cluster", "one of the two is accepted", jobs=jobs)
+        refuse("given with --cluster", "one of the two", jobs=jobs)
     if together:
-        accepted = "it is accepted with several that are diagnosed each"
+        accepted = "it goes with several that are diagnosed one by one"
         refuse("given with --together", accepted, resume=resume, jobs=jobs)
 
 
@@ -243,9 +243,9 @@ def _refuse_conditions(recordings: tuple[Path, ...], before: tuple[Path, ...], a
     for name, given, other in (("--before", before, after), ("--after", after, before)):
         if given and not other:
             wanted = "--after" if name == "--before" else "--before"
-            raise InputError(name, f"given without {wanted}", f"it is accepted with {wanted} FILE")
+            raise InputError(name, f"given without {wanted}", f"it goes with {wanted} FILE")
     if before and recordings:
-        accepted = "every recording is accepted behind one of the two"
+        accepted = "every recording behind one of the two"
         raise InputError(str(recordings[0]), "neither before nor after", accepted)
     if not before and not recordings:
         raise click.UsageError("Missing argument 'RECORDING...'.")
@@ -257,11 +257,11 @@ def _named(recordings: tuple[Path, ...]) -> Iterator[list[tuple[Path, str]]]:
     from harness.app.shared.reading import spooled
 
     if sum(str(path) == STANDARD_INPUT for path in recordings) > 1:
-        raise InputError("recording", "- given twice", "standard input can be read once")
+        raise InputError("recording", "- given twice", "each input once: standard input cannot be read again")
     if Path(STANDARD_INPUT) not in recordings:
         yield [(path, str(path)) for path in recordings]
         return
     if sys.stdin is None or sys.stdin.isatty():
-        raise InputError("-", "standard input is a terminal or closed", "CSV on a pipe is accepted")
+        raise InputError("-", "standard input is a terminal or closed", "CSV on a pipe")
     with spooled(sys.stdin.buffer) as file:
         yield [(file if str(path) == STANDARD_INPUT else path, str(path)) for path in recordings]

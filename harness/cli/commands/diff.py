@@ -44,7 +44,7 @@ def command(
              harness diff reports/before reports/after
     """
     if baseline is not None:
-        check_file(baseline, f"--baseline {baseline}", "a file of harness regress --update is accepted")
+        check_file(baseline, f"--baseline {baseline}", "a file of harness regress --update")
     from harness.app.sweep.diff import diff
     from harness.app.sweep.sweep import SweepOptions
 

@@ -39,7 +39,7 @@ def command(file: Path, reading: dict[str, Any], page: Path | None, to: Output) 
                  --columns "t=clock[ms],elbow.position=enc3[deg]"
     """
     if not file.exists():
-        raise InputError(str(file), "no such file", "a file or folder that can be read is accepted")
+        raise InputError(str(file), "no such file", "a file or folder that can be read")
     from harness.app.log import LogOptions, log
 
     gain = reading.pop("gain")

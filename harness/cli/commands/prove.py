@@ -53,7 +53,7 @@ def command(
              harness prove --verify reports/proof
     """
     given = {name: value for name, value in sizes.items() if value is not None}
-    one = "one of the two is accepted"
+    one = "one of the two"
     if verify is not None:
         refuse("given with --verify", one, **given, machines=machines, resume=resume, out=to.out, cluster=cluster)
         from harness.app.prove.verify import verify_proof
@@ -66,7 +66,7 @@ def command(
     if given and plans:
         raise InputError(f"--{next(iter(given))}", f"given with --{plans[0]}", one)
     if resume:
-        accepted = "--resume alone is accepted: it goes on with what was begun"
+        accepted = "--resume alone, which goes on with what was begun"
         refuse("given with --resume", accepted, machines=machines, short=short)
     from harness.app.prove.prove import ProveOptions, prove
 

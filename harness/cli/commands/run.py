@@ -78,7 +78,7 @@ def command(
         _alone("--scene", {"SCENARIO": scenario, "--engine": engines or None, **alone}, given)
         return _scene(scene, body, length, to)
     if body is not None:
-        raise InputError("--body", "given without --scene", "it is accepted with --scene FILE")
+        raise InputError("--body", "given without --scene", "it goes with --scene FILE")
     if robot is not None:
         _alone("--robot", {"SCENARIO": scenario, "--model": model, "--restoring": restoring}, given)
         from harness.app.run.joint import JointRun, run_joint
@@ -103,7 +103,7 @@ def _alone(option: str, beside: Mapping[str, object], given: Mapping[str, float 
     """Raise InputError for what was given beside an option that takes none of it."""
     for name, value in {**beside, **{f"--{name.replace('_', '-')}": value for name, value in given.items()}}.items():
         if value is not None:
-            raise InputError(option, f"given with {name}", "one of the two is accepted")
+            raise InputError(option, f"given with {name}", "one of the two")
 
 
 def _scene(scene: Path, body: str | None, duration: float | None, to: Output) -> int:

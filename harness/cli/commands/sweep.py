@@ -17,7 +17,7 @@ def _worst(context: click.Context, option: click.Parameter, value: str | None) -
         return 0
     kind, _, count = value.partition(":")
     if kind != "worst" or not count.isdigit() or int(count) < 1:
-        raise click.BadParameter(f"{value!r}; worst:N with N of 1 or more is accepted")
+        raise click.BadParameter(f"{value!r}; expected worst:N with N of 1 or more")
     return int(count)
 
 

@@ -43,9 +43,9 @@ def command(
              harness tune mujoco --robot arm.xml --joint elbow
     """
     if robot is not None and route not in (None, "joint"):
-        raise InputError("--route", f"{route}, given with --robot", "joint is accepted with it")
+        raise InputError("--route", f"{route}, given with --robot", "--route joint")
     if meet and max_cost is not None:
-        raise InputError("--max-cost", "given with --meet", "one of them is accepted: --meet searches the cheapest")
+        raise InputError("--max-cost", "given with --meet", "one of them: --meet searches the cheapest")
     with to.told() as progress:
         from harness.app.sweep.tune import goal, tune, tune_joint
 

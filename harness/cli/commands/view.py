@@ -30,9 +30,9 @@ def command(places: tuple[Path, ...], web: bool, save: Path | None) -> int:
     if save is None:
         return view(places, web)
     if save.suffix.lower() != ".rrd":
-        raise InputError("--save", str(save), "a name that ends in .rrd is accepted")
+        raise InputError("--save", str(save), "a name that ends in .rrd")
     if save.exists():
-        raise InputError("--save", f"{save} exists already", "the name of a new file is accepted")
+        raise InputError("--save", f"{save} exists already", "the name of a new file")
     overlay(places, save)
     click.echo(f"trace: {save.absolute()}")
     return 0

@@ -31,13 +31,14 @@ def command(file: Path, engines: tuple[str, ...], out: Path | None, to: Output) 
     from harness.app.words import words
 
     result = words(file, engines, out)
-    to.give(result, _print)
+    to.give(result, lambda result: _print(result, file, noted=bool(engines)))
     if out is not None and to.tables:
         say_as_it_is(f"report: {out / 'report.html'}")
     return 1 if result.wrong or result.lost else 0
 
 
-def _print(result: "WordsResult") -> None:
+def _print(result: "WordsResult", file: Path, noted: bool) -> None:
+    """The answer and the table; noted : how each engine reads each word as well, which is long for all of them."""
     from harness.app.words import CALLED, grouped, problems
 
     say(result.statement)
@@ -49,6 +50,9 @@ def _print(result: "WordsResult") -> None:
         show_rows(("word", *heads), cells)
         if any(one.evidence == "motion" for one in result.readers):
             say("* by motion: a hinge with the word against one without it; the others as their sources say (--json)")
+    if not noted:
+        say_as_it_is(f"how an engine reads them, and what it has without a word: harness words {file} --engine NAME")
+        return
     titles = {one.name: one.title for one in result.readers}
     notes: dict[str, list[str]] = {}
     for _, own in rows:

@@ -16,7 +16,7 @@ class JointLog:
     """Positions, velocities and efforts of named joints over time; every array has shape (n,) and is read-only.
 
     t : s, increasing. position : rad or m, by joint. velocity : rad/s or m/s, effort : N m or N; joints that were not
-    logged are left out. file : where it came from. sha256 : of that file. notes : what the reader did, one sentence
+    logged are not used. file : where it came from. sha256 : of that file. notes : what the reader did, one sentence
     each. goal : position that is asked of a servo, rad or m. voltage : of its supply, V. driven : 1 where it drives.
     temperature : of the joint, degC.
 
@@ -38,11 +38,11 @@ class JointLog:
     def __post_init__(self) -> None:
         t = vector(f"{self.file}: time", self.t)
         if t.size < MINIMUM_SAMPLES:
-            raise InputError(self.file, f"{t.size} samples", f"at least {MINIMUM_SAMPLES} are accepted")
+            raise InputError(self.file, f"{t.size} samples", f"at least {MINIMUM_SAMPLES}")
         increasing(f"{self.file}: time", t)
         object.__setattr__(self, "t", t)
         if not self.position:
-            raise InputError(self.file, "no joint's position", "a log with positions of joints is accepted")
+            raise InputError(self.file, "no joint's position", "a log with positions of joints")
         for kind in ("position", "velocity", "effort", "goal", "voltage", "driven", "temperature"):
             given = getattr(self, kind)
             kept = {name: vector(f"{self.file}: {name}.{kind}", y, t.size) for name, y in given.items()}

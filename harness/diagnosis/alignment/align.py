@@ -41,7 +41,7 @@ def _candidates(pair: Pair, first: Signals, second: Signals) -> list[float]:
     total = sum(float(one.t[-1] - one.t[0]) for one in traces) / width
     if total > _MOST_BINS:
         found = f"{total / _BINS:.3g} periods that the shift may be anywhere in"
-        accepted = f"traces of at most {_MOST_BINS / _BINS:.0e} periods together are accepted"
+        accepted = f"traces of at most {_MOST_BINS / _BINS:.0e} periods together"
         raise InputError("time alignment", found, accepted)
     from scipy.signal import correlate
 
@@ -186,7 +186,7 @@ def align(
     found = [one for one in tried if one is not None]
     preferred = _preferred(first, second, pair)
     if not found and preferred is None:
-        raise InputError("time alignment", "traces that overlap nowhere", "two traces of one motion are accepted")
+        raise InputError("time alignment", "traces that overlap nowhere", "two traces of one motion")
     taken = _taken(found, preferred)
     by_release = preferred is taken
     # what two traces have of noise in common, and what a curve between noisy samples has less of it, makes small dips

@@ -39,7 +39,7 @@ def as_kind_of(one: Recording, other: Recording, option: str = "") -> Recording:
         raise InputError(
             where,
             f"{said[one.angular]} ({_said(one)}), where {other.file} is {said[other.angular]} ({_said(other)})",
-            "two traces of one kind are accepted; --columns says what a column is",
+            "two traces of one kind; --columns says what a column is",
         )
     units = dict(zip("xva", _OWN[other.angular], strict=True))
     note = f"Its columns name no unit: read in {' and '.join(units[c] for c in 'xva' if c in one)}, as {other.file}."
@@ -104,7 +104,7 @@ def swing_of(recording: Recording) -> float:
     except NoDecay:
         omega = dominant_frequency(t, y)
     if not math.isfinite(omega) or omega <= 0.0:
-        raise InputError(recording.file, "nothing that swings", "a motion that swings is accepted")
+        raise InputError(recording.file, "nothing that swings", "a motion that swings")
     return omega
 
 
@@ -121,7 +121,7 @@ def match(sim: Recording, real: Recording, given: float | None = None) -> Match:
         raise InputError(
             f"{sim.file} and {real.file}",
             f"channels {', '.join(sim.channels)} and {', '.join(real.channels)}",
-            "two traces with one of x, v, a in common are accepted",
+            "two traces with one of x, v, a in common",
         )
     omega = swing_of(real)
     period = 2.0 * math.pi / omega
@@ -147,7 +147,7 @@ def match(sim: Recording, real: Recording, given: float | None = None) -> Match:
         raise InputError(
             f"{sim.file} and {real.file}",
             f"{t.size} samples at shared times",
-            f"traces that overlap by at least {MINIMUM_SAMPLES} samples are accepted",
+            f"traces that overlap by at least {MINIMUM_SAMPLES} samples",
         )
     frozen = MappingProxyType
     return Match(

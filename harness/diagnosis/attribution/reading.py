@@ -141,11 +141,11 @@ def aligned(trace: Recording, problem: Problem, scales: Scales, whole: Problem |
     common = [c for c in problem.channels if c in trace]
     if not common:
         found = f"channels {', '.join(trace.channels)}"
-        raise InputError(trace.file, found, f"one or more of {', '.join(problem.channels)} is accepted")
+        raise InputError(trace.file, found, f"one or more of {', '.join(problem.channels)}")
     span = float(problem.t[-1] - problem.t[0])
     if trace.duration < LEAST_SHARED * span:
         found = f"{trace.duration:.4g} s long"
-        raise InputError(trace.file, found, f"a trace of at least half of the recording's {span:.4g} s is accepted")
+        raise InputError(trace.file, found, f"a trace of at least half of the recording's {span:.4g} s")
     over = problem if whole is None else whole
     names = {c: over.channels[c] for c in common}
     seen = replace(over, channels=names, weight={c: over.weight[c] for c in common})

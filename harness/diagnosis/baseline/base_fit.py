@@ -97,7 +97,7 @@ def starts(problem: Problem) -> list[Model]:
     t, y = problem.t, problem.channels[name]
     omega = dominant_frequency(t, y)
     if not math.isfinite(omega) or omega <= 0.0:
-        raise InputError("recording", "nothing that swings", "a free decay is accepted")
+        raise InputError("recording", "nothing that swings", "a free decay")
     # amplitudes over the first cycle
     keep = t - t[0] <= 2.0 * math.pi / omega
     if np.count_nonzero(keep) < _FEWEST_AMPLITUDES:

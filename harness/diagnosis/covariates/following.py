@@ -81,7 +81,7 @@ def enter(base: Fit, problem: Problem, scales: Scales) -> Entered:
         ways, refused = _ways(one, fitted, problem, scales)
         if not ways and refused:
             parts = ", ".join(f"as {NAMED[acts]} {100.0 * (1.0 - share):.3g} %" for acts, share in refused.items())
-            accepted = "one that varies by itself beyond its noise is accepted"
+            accepted = "one that varies by itself beyond its noise"
             raise InputError(
                 f"{one.file}: covariate {one.name}", f"the base model and time say what it does: {parts}", accepted
             )

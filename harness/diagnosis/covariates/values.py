@@ -54,9 +54,9 @@ def values_in(recording: Recording, asked: tuple[AskedCovariate, ...]) -> dict[s
         where = f"{recording.file}: covariate {one.name}"
         if one.name not in recording.covariates:
             there = ", ".join(recording.covariates) or "none"
-            raise InputError(where, "no such column", f"a covariate of the recording is accepted ({there})")
+            raise InputError(where, "no such column", f"a covariate of the recording ({there})")
         values = recording.covariates[one.name]
-        spread, accepted = float(np.std(values)), f"a spread of {COVARIATE_VARIES.value:g} times its noise is accepted"
+        spread, accepted = float(np.std(values)), f"a spread of {COVARIATE_VARIES.value:g} times its noise"
         if float(np.ptp(values)) == 0.0:
             raise InputError(where, f"the constant {values[0]:g}", accepted)
         noise = _noise(recording, values).sigma
@@ -112,4 +112,4 @@ def little(name: str, share: float) -> str:
     if share * COVARIATE_APART.value >= 1.0:
         return ""
     found = f"The base model and time say {100.0 * (1.0 - share):.3g} % of what {name} does"
-    return f" {found}: the rest decides the gain, and a law that is left out moves it easily."
+    return f" {found}: the rest decides the gain, and a missing law moves it easily."

@@ -105,7 +105,7 @@ def forces_together(recordings: Sequence[Recording], asked: Asked) -> tuple[Forc
         each.append(problem)
         notes += [f"in {one.file}: {note}" for note in done]
         left_out = [c for c in ("x", "v", "a") if c in one and c not in common]
-        notes += [f"in {one.file}: {c} is left out, which not every recording has" for c in left_out]
+        notes += [f"in {one.file}: {c} is not used: not every recording has it" for c in left_out]
     laid = ForcesTogether.laid(each)
     known = with_unseen_mass(laid)
     if known.mass is not None and known.mass != laid.mass:
@@ -121,6 +121,6 @@ def _alone(recording: Recording, asked: Asked, common: Sequence[str]) -> tuple[I
     try:
         problem, said = as_it_acts(problem, recording["u"][: problem.t.size])
     except SimulationError as error:
-        accepted = "recordings in which the slider moves most of the time are accepted"
+        accepted = "recordings in which the slider moves most of the time"
         raise InputError(recording.file, str(error), accepted) from error
     return problem, (*notes, *said)

@@ -31,7 +31,7 @@ class Curves(Kind[Curve]):
         table = np.column_stack((problem.v, np.sign(problem.v)))
         (c, f_k), _ = nnls(table, problem.channels["u"])
         if c == 0.0 and f_k == 0.0:
-            raise InputError("recording", "a force that slows nothing", "a force against the speed is accepted")
+            raise InputError("recording", "a force that slows nothing", "a force against the speed")
         start = Model(problem.mass or 1.0, float(c), 0.0, float(f_k), restoring=Restoring.NONE)
         found = fit(start, problem, free_of(start, ("c", "f_k")), problem.scales)
         if problem.acting:

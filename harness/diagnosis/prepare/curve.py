@@ -24,13 +24,13 @@ def curve_problem(recording: Recording, asked: Asked) -> tuple[Curve, tuple[str,
     Raises InputError for options that contradict it, and for rows that are too few.
     """
     if asked.restoring not in (None, Restoring.NONE):
-        accepted = "a table of speeds and forces takes no spring"
+        accepted = "--restoring none with a table of speeds and forces"
         raise InputError(recording.file, "no time: a friction curve", accepted)
     v, u = recording["v"], recording["u"]
     order = np.argsort(v, kind="stable")
     order = order[v[order] != 0.0]
     if order.size < FEWEST_STEADY:
-        raise InputError(recording.file, f"{order.size} speeds", f"at least {FEWEST_STEADY} beside 0 are accepted")
+        raise InputError(recording.file, f"{order.size} speeds", f"at least {FEWEST_STEADY} beside 0")
     rest = v.size - order.size
     v, u = v[order], u[order]
     beside = {name: values[order] for name, values in values_in(recording, asked.covariates).items()}
@@ -44,7 +44,7 @@ def curve_problem(recording: Recording, asked: Asked) -> tuple[Curve, tuple[str,
         np.arange(order.size, dtype=np.float64), {"u": u}, noise, mass=asked.mass or 1.0, v=v, order=order,
         angular=recording.angular, covariates=beside, acting=acting,
     )  # fmt: skip
-    notes = [f"{rest} rows at rest, where friction may have any value, are left out"] if rest else []
+    notes = [f"{rest} rows at rest, where friction may have any value, are skipped"] if rest else []
     return problem, (*notes, *(() if problem.both_ways else (ALONE,)))
 
 

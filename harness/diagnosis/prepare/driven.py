@@ -74,14 +74,14 @@ def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course, tuple[str
     where = f"{recording.file}: channels {', '.join(recording.channels)}"
     if "x" not in recording and ("v" not in recording or restoring is not Restoring.NONE):
         need = "x, or v with --restoring none," if "v" in recording else "x (or v with --restoring none)"
-        raise InputError(where, "a driven recording whose state cannot be seen", f"{need} beside u is accepted")
+        raise InputError(where, "a driven recording whose state cannot be seen", f"{need} beside u")
     t, u = recording.t, recording["u"]
     if float(np.ptp(u)) == 0.0:
-        raise InputError(f"{recording.file}: channel u", f"the constant {u[0]:g}", "a force that changes is accepted")
+        raise InputError(f"{recording.file}: channel u", f"the constant {u[0]:g}", "a force that changes")
     interval = recording.interval
     if asked.horizon is not None and asked.horizon < _FEWEST_IN_WINDOW * interval:
         found = f"{asked.horizon:g} s, {asked.horizon / interval:.1f} samples of {recording.file}"
-        raise InputError("--horizon", found, f"at least {_FEWEST_IN_WINDOW * interval:g} s is accepted")
+        raise InputError("--horizon", found, f"at least {_FEWEST_IN_WINDOW * interval:g} s")
     channels: dict[str, FloatArray] = {c: recording[c] for c in ("x", "v", "a") if c in recording}
     stray, said = stray_in(recording, ("x", "v"))
     for c, off in stray.items():
@@ -90,7 +90,7 @@ def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course, tuple[str
     noise = {c: channel_noise(t, y) for c, y in channels.items()}
     if all(float(np.std(y)) < _MOVES * noise[c].sigma for c, y in channels.items()):
         seen = ", ".join(f"{c} to {noise[c].sigma:.3g}" for c in channels)
-        raise InputError(where, f"a slider that does not move beyond its noise ({seen})", "a driven motion is accepted")
+        raise InputError(where, f"a slider that does not move beyond its noise ({seen})", "a driven motion")
     course = Course.of(t, channels, noise)
     unsaid = asked.restoring is None
     asked, held = held_driven(asked, course.state, u, recording.angular) if "x" in channels else (asked, ())

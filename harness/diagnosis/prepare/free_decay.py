@@ -86,9 +86,9 @@ def _in_motion(recording: Recording, restoring: Restoring) -> _Moving:
     if end - begin < MINIMUM_SAMPLES:
         return _Moving(recording)
     if begin > 0:
-        notes.append(f"the first {t[begin] - t[0]:.4g} s, before the release, are left out")
+        notes.append(f"the first {t[begin] - t[0]:.4g} s, before the release, are skipped")
     if end < t.size:
-        notes.append(f"the last {t[-1] - t[end - 1]:.4g} s, a long rest, are left out")
+        notes.append(f"the last {t[-1] - t[end - 1]:.4g} s, a long rest, are skipped")
     cut = recording.cut(slice(begin, end)) if notes else recording
     return _Moving(cut, tuple(notes), begin > 0, found.half_time)
 
@@ -116,7 +116,7 @@ def together(recordings: Sequence[Recording], asked: Asked) -> tuple[Together, t
         problem, done = prepared if held_so else _alone(one, alike, common)
         notes += [f"in {one.file}: {note}" for note in done]
         left_out = [c for c in ("x", "v", "a") if c in one and c not in common]
-        notes += [f"in {one.file}: {c} is left out, which not every recording has" for c in left_out]
+        notes += [f"in {one.file}: {c} is not used: not every recording has it" for c in left_out]
         # its clock begins where it is let go
         each.append(replace(problem, t=problem.t - problem.t[0], zero_chosen=widest.zero_chosen))
     return Together.laid(each), tuple(notes)
@@ -129,25 +129,25 @@ def in_common(recordings: Sequence[Recording]) -> list[str]:
     """
     if len(recordings) < _FEWEST:
         found = recordings[0].file if recordings else "no recording"
-        raise InputError("--together", f"{found} alone", "two recordings of one machine or more are accepted")
+        raise InputError("--together", f"{found} alone", "two recordings of one machine or more")
     driven = [one.file for one in recordings if is_driven(one)]
     free = [one.file for one in recordings if not is_driven(one)]
     if driven and free:
         found = f"{driven[0]} is driven and {free[0]} a free decay"
-        raise InputError("--together", found, "free decays, or driven recordings, are accepted, not both")
+        raise InputError("--together", found, "free decays, or driven recordings, not both")
     common = [c for c in ("x", "v", "a") if all(c in one for one in recordings)]
     if not common:
         has = ", ".join(f"{one.file} has {' and '.join(c for c in ('x', 'v', 'a') if c in one)}" for one in recordings)
-        raise InputError("--together", has, "recordings with a channel in common are accepted")
+        raise InputError("--together", has, "recordings with a channel in common")
     for one, again in combinations(recordings, 2):
         if one.t.size == again.t.size and all(np.array_equal(one[c], again[c]) for c in common):
             found = f"{one.file} and {again.file} hold the same motion, sample for sample"
-            raise InputError("--together", found, "recordings that each tell something of their own are accepted")
+            raise InputError("--together", found, "recordings that each tell something of their own")
     kinds = {one.angular for one in recordings}
     if len(kinds) > 1:
         turning = next(one.file for one in recordings if one.angular)
         other = next(one.file for one in recordings if not one.angular)
-        raise InputError("--together", f"{turning} turns, {other} slides", "recordings of one machine are accepted")
+        raise InputError("--together", f"{turning} turns, {other} slides", "recordings of one machine")
     return common
 
 

@@ -45,16 +45,16 @@ def run_down_problem(recording: Recording, asked: Asked) -> tuple[RunDown, tuple
     span = falls(recording)
     if span is None:
         found = "none, but no force u is recorded" if "u" not in recording else "none, but the force u is 0 throughout"
-        accepted = "a recorded force, a run-down (whose speed falls from first to last), or spring is accepted"
+        accepted = "a recorded force, a run-down (whose speed falls from first to last), or spring"
         raise InputError("--restoring", f"{found} in {recording.file}", accepted)
     if asked.covariates:
-        raise InputError("--covariates", f"given with a run-down, {recording.file}", "a swing or a force is accepted")
+        raise InputError("--covariates", f"given with a run-down, {recording.file}", "a swing or a force")
     begin, end = span
     t, notes = recording.t, []
     if begin > 0:
-        notes.append(f"the first {t[begin] - t[0]:.4g} s, before it runs down, are left out")
+        notes.append(f"the first {t[begin] - t[0]:.4g} s, before it runs down, are skipped")
     if end < t.size:
-        notes.append(f"the last {t[-1] - t[end - 1]:.4g} s, a long rest, are left out")
+        notes.append(f"the last {t[-1] - t[end - 1]:.4g} s, a long rest, are skipped")
     cut, beyond = believed(recording.cut(slice(begin, end)), ("x", "v"))
     channels = {c: cut[c] for c in ("x", "v") if c in cut}
     noise = {c: channel_noise(cut.t, y) for c, y in channels.items()}
@@ -81,7 +81,7 @@ def run_downs_together(recordings: Sequence[Recording], asked: Asked) -> tuple[R
     swings = [one.file for one in recordings if not runs_down(one, asked.restoring)]
     if swings:
         found = f"{swings[0]} does not run down, as another recording does"
-        raise InputError("--together", found, "run-downs, or swings, or driven recordings are accepted, not both")
+        raise InputError("--together", found, "run-downs, or swings, or driven recordings, not both")
     common = in_common(recordings)
     each, notes = [], []
     for one in recordings:

@@ -57,7 +57,7 @@ def inverse_start(
     count = int(np.count_nonzero(moving))
     if count < _FEWEST:
         found = f"a slider that hardly moves ({count} of {v.size} samples show motion)"
-        raise InputError("recording", found, f"a driven motion of at least {_FEWEST} samples is accepted")
+        raise InputError("recording", found, f"a driven motion of at least {_FEWEST} samples")
     pull = {Restoring.SPRING: x, Restoring.PENDULUM: np.sin(x), Restoring.NONE: None}[restoring]
     # beside an angle's sine its cosine says from where it is measured: k sin(x - o) = k cos o sin x - k sin o cos x
     turned = restoring is Restoring.PENDULUM and zero_free

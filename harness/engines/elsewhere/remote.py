@@ -135,7 +135,7 @@ def engine_in(python: str, where: str) -> Engine:
     """
     program = shutil.which(python)
     if program is None:
-        raise InputError(f"engine @{python}", "no program", "NAME@PYTHON with the path of an interpreter is accepted")
+        raise InputError(f"engine @{python}", "no program", "NAME@PYTHON with the path of an interpreter")
     return _kind(program, where)()
 
 

@@ -33,4 +33,4 @@ def check(settings: dict[str, Any]) -> None:
     ):  # fmt: skip
         choice(f"mjx setting {name}", settings[name], accepted)
     if settings["precision"] not in PRECISIONS:
-        raise InputError("mjx setting precision", str(settings["precision"]), "32 or 64 is accepted")
+        raise InputError("mjx setting precision", str(settings["precision"]), "32 or 64")

@@ -60,7 +60,7 @@ class BodyKind(suite.Kind):
         mu = given["f_k"] / (mass * GRAVITY) if "f_k" in given else self.body.mu
         moves = self.body.place == "floor"
         if not moves and given.get("v0"):
-            raise InputError("--v0", f"{given['v0']:g}, given with {self.name}", "one that rests is accepted without")
+            raise InputError("--v0", f"{given['v0']:g}, given with {self.name}", "one that rests without")
         speed = given.get("v0", SPEED if moves else 0.0)
         return self.scenario(mass, speed, replace(self.body, mu=mu), given.get("duration", DURATION))
 

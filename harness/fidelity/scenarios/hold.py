@@ -63,7 +63,7 @@ class HoldKind(suite.Kind):
         suite.only(self.name, given, (*suite.VALUES, "duration"))
         slider = suite.with_values(self.of_suite(suite.OWN, 1.0).slider, given)
         if slider.break_away == 0.0:
-            raise InputError("--f-k", "0, and nothing holds the slider", "friction above 0 is accepted")
+            raise InputError("--f-k", "0, and nothing holds the slider", "friction above 0")
         return self.load(slider, given.get("duration"))
 
     def exact(self, scenario: Scenario, t: FloatArray) -> Trajectory:

@@ -63,7 +63,7 @@ class SlidKind(suite.Kind):
         stop = Stop.of(slider, force, speed)
         if slider.k * stop.place(speed) - force > slider.f_k:
             found = f"{speed:g} m/s, after which the spring pulls it back"
-            raise InputError("--v0", found, "a lower speed, or a smaller k, is accepted")
+            raise InputError("--v0", found, "a lower speed, or a smaller k")
         duration = stop.time + RESTS
         return Scenario(self.name, slider, 0.0, suite.plain(speed), duration, Hold(force))
 
@@ -72,10 +72,10 @@ class SlidKind(suite.Kind):
         own = self.of_suite(suite.OWN, 1.0)
         slider = suite.with_values(own.slider, given)
         if slider.f_k == 0.0:
-            raise InputError("--f-k", "0, and nothing holds the slider", "friction above 0 is accepted")
+            raise InputError("--f-k", "0, and nothing holds the slider", "friction above 0")
         speed = given.get("v0", own.v0)
         if speed <= 0.0:
-            raise InputError("--v0", f"{speed:g} m/s", "a speed above 0 is accepted")
+            raise InputError("--v0", f"{speed:g} m/s", "a speed above 0")
         return self.slide(slider, speed)
 
     def exact(self, scenario: Scenario, t: FloatArray) -> Trajectory:

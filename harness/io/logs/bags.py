@@ -20,7 +20,7 @@ from harness.io.logs.raw import Field
 from harness.io.registry import BAGS
 
 TYPE = "sensor_msgs/msg/JointState"
-ACCEPTED = "a whole ROS bag (.bag, .db3, .mcap, or a folder of a ROS 2 bag) is accepted"
+ACCEPTED = "a whole ROS bag (.bag, .db3, .mcap, or a folder of a ROS 2 bag)"
 FIELDS: tuple[Field, ...] = ("position", "velocity", "effort")
 
 
@@ -72,7 +72,7 @@ def need_rosbags(path: Path) -> None:
     """Raise InputError, that says what to install, where the package is missing that reads bags."""
     if find_spec("rosbags") is None:
         found = "a ROS bag, and the package rosbags that reads it is not installed"
-        raise InputError(str(path), found, "pip install 'friction-harness[bags]' makes it accepted")
+        raise InputError(str(path), found, "try: pip install 'friction-harness[bags]'")
 
 
 def storages(path: Path) -> list[Path]:
@@ -136,10 +136,10 @@ def _check(where: str, names: tuple[str, ...], values: Sequence[FloatArray]) -> 
     for kind, given in zip(FIELDS, values, strict=True):
         if given.size not in (0, len(names)):
             found = f"{given.size} values of {kind} for {len(names)} joints"
-            raise InputError(where, found, "a value for each joint is accepted")
+            raise InputError(where, found, "a value for each joint")
     if len(set(names)) < len(names):
         twice = next(name for name in names if names.count(name) > 1)
-        raise InputError(where, f"the joint {twice} twice", "names that differ are accepted")
+        raise InputError(where, f"the joint {twice} twice", "names that differ")
 
 
 @contextmanager

@@ -18,9 +18,7 @@ _TURN = 4096.0
 """Steps of a turn of every such motor."""
 _FIELDS: tuple[Field, ...] = ("position", "goal", "velocity")
 _GRIPPER = "gripper"
-_ACCEPTED = (
-    'a calibration as LeRobot keeps it, {"elbow_flex": {"range_min": 805, "range_max": 3100, ..}, ..}, is accepted'
-)
+_ACCEPTED = 'a calibration as LeRobot keeps it, {"elbow_flex": {"range_min": 805, "range_max": 3100, ..}, ..}'
 
 
 def calibrated(raw: Raw, path: Path | None) -> Raw:
@@ -31,7 +29,7 @@ def calibrated(raw: Raw, path: Path | None) -> Raw:
     ranges = _ranges(path)
     have = list(raw.fields.get("position", {}))
     if missing := [joint for joint in have if joint not in ranges]:
-        raise InputError(str(path), f"no {', '.join(missing)}, but {', '.join(ranges)}", "the log's own is accepted")
+        raise InputError(str(path), f"no {', '.join(missing)}, but {', '.join(ranges)}", "the log's own")
     fields = dict(raw.fields)
     for kind in _FIELDS:
         of = fields.get(kind, {})

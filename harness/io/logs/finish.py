@@ -57,7 +57,7 @@ def finished(raw: Raw, file: str, options: LogOptions, gain: Gain | None) -> Fin
         if signless:
             notes.append(
                 f"The effort of {called(signless, len(effort))} never is negative although the joints move both ways: "
-                "it has no sign, says nothing of friction, and is left out."
+                "it has no sign, says nothing of friction, and is not used."
             )
             fields["magnitude"] = {joint: effort[joint] for joint in signless}
             effort = {joint: u for joint, u in effort.items() if joint not in signless}
@@ -133,11 +133,11 @@ def _logged(raw: Raw) -> Raw:
             notes.append(f"No {kind} is logged of {called(gone, len(of))}.")
         bare = [joint for joint in kept if joint not in raw.fields["position"]]
         if bare:
-            notes.append(f"No position is logged of {called(bare, len(of) + 1)}: its {kind} is left out.")
+            notes.append(f"No position is logged of {called(bare, len(of) + 1)}: its {kind} is not used.")
         if len(bare) < len(kept):
             fields[kind] = {joint: y for joint, y in kept.items() if joint not in bare}
     if raw.fields.get("magnitude"):
-        notes.append("An effort without its sign is logged: it says nothing of friction, and is left out.")
+        notes.append("An effort without its sign is logged: it says nothing of friction, and is not used.")
     return replace(raw, fields=fields, notes=tuple(notes))
 
 
@@ -160,7 +160,7 @@ def _multiplied(raw: Raw, file: str, gain: Gain | None) -> Raw:
         return raw
     source = current or raw.fields.get("effort", {})
     if not source:
-        raise InputError(f"{file}: --gain", "given for a log without current or effort", "a log with one is accepted")
+        raise InputError(f"{file}: --gain", "given for a log without current or effort", "a log with one")
     gains = dict(gain) if isinstance(gain, Mapping) else dict.fromkeys(source, gain)
     for joint in gains:
         if joint not in source:
@@ -187,15 +187,14 @@ def _rows(raw: Raw, file: str, drop_nan: bool) -> Raw:
         whole = ~np.any([np.isnan(y) for _, y, _ in channels], axis=0)
         if not whole.all():
             dropped = int(np.count_nonzero(~whole))
-            notes = (*notes, f"{dropped} {raw.rows}s without a value are left out (--drop-nan).")
+            notes = (*notes, f"{dropped} {raw.rows}s without a value are skipped (--drop-nan).")
             raw, channels = _at(raw, whole), [(name, y[whole], most) for name, y, most in channels]
     for name, y, most in channels:
         bad = np.flatnonzero(~(np.abs(y) <= most))
         if bad.size:
             value = float(y[bad[0]])
             found = "no value or nan" if np.isnan(value) else f"{value:g}"
-            accepted = f"at most {most:g} in size is accepted" if np.isfinite(value) else "a finite number is accepted"
-            accepted += "; --drop-nan leaves such rows out" if np.isnan(value) else ""
+            accepted = "try: --drop-nan" if np.isnan(value) else f"at most {most:g} in size"
             raise InputError(f"{file}: {raw.rows} {bad[0] + 1}, {name}", found, accepted)
     return replace(raw, notes=notes)
 
@@ -213,7 +212,7 @@ def _in_order(raw: Raw, file: str) -> Raw:
     if back.size:
         i = int(back[0])
         found = f"time {raw.t[i + 1]:.9g} s goes back from {raw.t[i]:.9g} s"
-        raise InputError(f"{file}: {raw.rows} {i + 2}, t", found, "times that increase are accepted")
+        raise InputError(f"{file}: {raw.rows} {i + 2}, t", found, "times that increase")
     again = steps == 0.0
     if not again.any():
         return raw
@@ -235,5 +234,5 @@ def _cut(raw: Raw, file: str, options: LogOptions) -> Raw:
     inside &= raw.t <= (np.inf if options.stop is None else options.stop)
     if not inside.any():
         runs = f"the log runs from {raw.t[0]:g} s to {raw.t[-1]:g} s" if raw.t.size else "the log is empty"
-        raise InputError(file, f"0 samples between --from and --to ({runs})", "a part that holds some is accepted")
+        raise InputError(file, f"0 samples between --from and --to ({runs})", "a part that holds some")
     return _at(raw, inside)

@@ -11,7 +11,7 @@ from harness.io.logs.tables import time_of
 from harness.io.registry import kind_of, reader_of
 from harness.io.table import Held, Table, held, table_of_arrays
 
-_ACCEPTED = "text tables called by what they hold, such as q.csv, dq.csv and tau.csv, are accepted"
+_ACCEPTED = "text tables called by what they hold, such as q.csv, dq.csv and tau.csv"
 
 
 def joined(paths: Sequence[Path], skip_rows: int) -> Table:
@@ -35,7 +35,7 @@ def joined(paths: Sequence[Path], skip_rows: int) -> Table:
             if not header:
                 header, t = table.headers[at], stamps
             elif table.headers[at] != header:
-                raise InputError(str(table.path), f"times in {table.headers[at]}, not {header}", "one is accepted")
+                raise InputError(str(table.path), f"times in {table.headers[at]}, not {header}", "one")
             elif not np.array_equal(stamps, t):
                 values = [np.interp(t, stamps, y, np.nan, np.nan) for y in values]
                 mended.append(f"{table.path.name} has times of its own, and is read at those of the first file.")

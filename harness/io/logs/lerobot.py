@@ -38,7 +38,7 @@ def files_of(path: Path) -> list[Path]:
         return [path]
     found = sorted((path / "data").glob("*/*.parquet"))
     if not found:
-        raise InputError(str(path), "no data/*/*.parquet in it", "a LeRobot data set with its tables is accepted")
+        raise InputError(str(path), "no data/*/*.parquet in it", "a LeRobot data set with its tables")
     return found
 
 
@@ -70,7 +70,7 @@ def raw_of_episode(path: Path, options: LogOptions) -> Raw:
         found = f"{len(where)} episodes and no --topic"
         names = list(where)
         listed = ", ".join(names) if len(names) <= 4 else f"{names[0]}, {names[1]} to {names[-1]}"
-        raise InputError(str(path), found, f"--topic with one of {listed} is accepted")
+        raise InputError(str(path), found, f"--topic with one of {listed}")
     number = next(iter(where), "0") if number is None else number
     if number not in where:
         raise one_of(str(path), number, list(where), "episode")
@@ -99,7 +99,7 @@ def _names(path: Path) -> Mapping[str, Sequence[str]]:
         }
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         found = f"unreadable ({type(error).__name__}: {error})"
-        raise InputError(str(root / INFO), found, "the info.json of a LeRobot data set is accepted") from None
+        raise InputError(str(root / INFO), found, "the info.json of a LeRobot data set") from None
 
 
 def _flat(names: object) -> list[object]:

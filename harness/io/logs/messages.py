@@ -17,7 +17,7 @@ from harness.core.apart import Found
 from harness.core.errors import InputError
 from harness.io.logs.bags import TYPE
 
-ACCEPTED = "a whole MCAP file with messages in JSON, protobuf or ROS 2's JointState is accepted"
+ACCEPTED = "a whole MCAP file with messages in JSON, protobuf or ROS 2's JointState"
 _MAGIC, _HEADER = b"\x89MCAP0\r\n", 1
 _DEEPEST, _MOST = 8, 2000
 """Fields within fields, and numbers of a message, that are read."""
@@ -44,7 +44,7 @@ def need_mcap(path: Path) -> None:
     """Raise InputError, that says what to install, where a package is missing that reads such files."""
     if find_spec("mcap") is None or find_spec("mcap_protobuf") is None:
         found = "an MCAP file, and the packages mcap and mcap-protobuf-support that read it are not installed"
-        raise InputError(str(path), found, "pip install 'friction-harness[bags]' makes it accepted")
+        raise InputError(str(path), found, "try: pip install 'friction-harness[bags]'")
 
 
 def topics_of(path: Path) -> Found:

@@ -39,7 +39,7 @@ def _each(raw: Raw, names: Mapping[str, str], joints: Sequence[str] | None) -> d
             if joints is None or len(joints) != len(have):
                 of = "no model" if joints is None else f"{len(joints)} in the model ({', '.join(joints)})"
                 said = f"{len(have)} joints in the log ({', '.join(have)}), {of}"
-                raise InputError('--names "*=*"', said, "as many of both, or NAME=NAME,.., are accepted")
+                raise InputError('--names "*=*"', said, "as many of both, or NAME=NAME,..")
             found |= dict(zip(have, joints, strict=True))
         elif "{" in name:
             shape = re.compile(_PLACE.sub(r"(?P<\1>\\w+)", re.escape(name)))
@@ -76,8 +76,8 @@ def no_such(file: str, have: Sequence[str], joints: Sequence[str]) -> InputError
 
 
 def _named(file: str, have: Sequence[str], joints: Sequence[str], value: str) -> InputError:
-    found = f"joints {', '.join(have)}, and none of the model's, {', '.join(joints)}"
-    return InputError(file, found, f'--names "{value}", where that is how they go together, is accepted')
+    found = f"joints {', '.join(have)}, and none of the model's, {', '.join(joints)}; if they correspond in this order"
+    return InputError(file, found, f'try: --names "{value}"')
 
 
 def _shape(names: Sequence[str]) -> tuple[str, frozenset[str], str] | None:

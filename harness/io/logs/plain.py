@@ -51,7 +51,7 @@ def chosen(path: Path, options: LogOptions) -> Raw:
         return of_topic(path, asked, options)
     if len(known) > 1:
         found = f"{len(known)} topics with positions and no --topic"
-        raise InputError(str(path), found, f"--topic with one of {', '.join(known)} is accepted")
+        raise InputError(str(path), found, f"--topic with one of {', '.join(known)}")
     if not known:
         listed = ", ".join(f"{name} ({kind})" for name, kind, *_ in there[:8]) or "no topic"
         raise InputError(str(path), f"no topic that names positions, but {listed}", messages.ACCEPTED)

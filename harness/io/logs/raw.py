@@ -175,7 +175,7 @@ class LogOptions(ReadOptions):
         # a list comes from a program, or from the process beside
         object.__setattr__(self, "joints", None if self.joints is None else tuple(self.joints))
         if self.calibration is not None and self.angle_unit is not None:
-            raise InputError("--angle-unit", "given with --calibration", "one of the two is accepted")
+            raise InputError("--angle-unit", "given with --calibration", "one of the two")
 
 
 @dataclass(frozen=True, slots=True)
@@ -215,4 +215,4 @@ def one_of(where: str, asked: str, known: list[str], what: str) -> InputError:
     """The error for a name that is not among those there are."""
     listed = ", ".join(known[:12]) + (", ..." if len(known) > 12 else "")
     listed = f"one of {listed}" if len(known) > 1 else listed or "none"
-    return InputError(where, f"no {what} '{asked}'", f"{listed} is accepted{did_you_mean(asked, known)}")
+    return InputError(where, f"no {what} '{asked}'", f"{listed}{did_you_mean(asked, known)}")

@@ -59,7 +59,7 @@ def source_of(path: Path) -> Source:
         return Source(path, "bag", tuple(found))
     if path.is_dir() and lerobot.root_of(path) == path:
         return Source(path, "lerobot", tuple(lerobot.files_of(path)))
-    check_file(path, accepted="a file, the folder of a ROS 2 bag, or that of a LeRobot data set is accepted")
+    check_file(path, accepted="a file, the folder of a ROS 2 bag, or that of a LeRobot data set")
     return Source(path, "lerobot" if kind_of(path) in PARQUET.suffixes and lerobot.root_of(path) else "table", (path,))
 
 
@@ -83,14 +83,14 @@ def _readable(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise InputError(str(path), error.strerror or str(error), "a file that can be read is accepted") from None
+        raise InputError(str(path), error.strerror or str(error), "a file that can be read") from None
 
 
 def _checked_source(path: Path, options: LogOptions, gain: Gain | None) -> Source:
     """What a path is, and the options looked at. Raises InputError for one that cannot be, or not for such a source."""
     for value in gain.values() if isinstance(gain, Mapping) else [] if gain is None else [gain]:
         if finite("--gain", value) == 0.0:
-            raise InputError("--gain", "0", "N m per A, other than 0, are accepted")
+            raise InputError("--gain", "0", "N m per A, other than 0")
     source = source_of(path)
     if options.join and source.kind == "table":
         for other in options.join:
@@ -107,7 +107,7 @@ def _checked_source(path: Path, options: LogOptions, gain: Gain | None) -> Sourc
     }
     for option, (given, accepted) in unfit.items():
         if given:
-            raise InputError(option, f"given for {path}", f"it is accepted for {accepted}")
+            raise InputError(option, f"given for {path}", f"it goes with {accepted}")
     return source
 
 
@@ -128,7 +128,7 @@ def raw_of_source(source: Source, options: LogOptions) -> Raw:
         table = joined(source.files, options.skip_rows)
         raw = raw_of(table, options)
         return replace(raw, notes=(*raw.notes, *table.mended))
-    accepted = f"a whole {path.suffix or 'LeRobot'} file is accepted"
+    accepted = f"a whole {path.suffix or 'LeRobot'} file"
     found = read_apart(
         f"{apart}:columns_of",
         path,
@@ -152,7 +152,7 @@ def bag_topic(source: Source, topic: str, options: LogOptions) -> Raw:
     columns, about = read_apart(read, source.path, bags.ACCEPTED, seconds=source.seconds, topic=topic)
     sets = [number for number, found in enumerate(about) if found["joints"]]
     if not sets:
-        raise InputError(f"{source.path}: {topic}", "no joint in any message", "a topic with joint states is accepted")
+        raise InputError(f"{source.path}: {topic}", "no joint in any message", "a topic with joint states")
     # joints that --names renames count as wanted; those of no set are said when it is read
     wanted = set(options.joints or ())
     chosen = max(sets, key=lambda number: (len(wanted & _called(about[number]["joints"], options)), -number))
@@ -161,7 +161,7 @@ def bag_topic(source: Source, topic: str, options: LogOptions) -> Raw:
     for number in sets:
         if number != chosen:
             names = ", ".join(about[number]["joints"][:4])
-            notes.append(f"{about[number]['count']} messages speak of other joints ({names}): left out.")
+            notes.append(f"{about[number]['count']} messages speak of other joints ({names}): not used.")
     said = {"told": {}, "rows": "message", "numbered": about[chosen]["numbered"], "notes": notes}
     raw = from_found(mine, said)
     return raw if options.angle_unit is None else _turned(raw, options.angle_unit)
@@ -183,10 +183,10 @@ def _of_bag(source: Source, options: LogOptions) -> Raw:
     known = [name for name, kind, count in topics if kind == bags.TYPE and count]
     if not known:
         there = ", ".join(f"{name} ({kind})" for name, kind, _ in topics[:8]) or "no topic"
-        raise InputError(str(source.path), f"no joint states, but {there}", f"a topic of {bags.TYPE} is accepted")
+        raise InputError(str(source.path), f"no joint states, but {there}", f"a topic of {bags.TYPE}")
     if len(known) > 1:
         found = f"{len(known)} topics of joint states and no --topic"
-        raise InputError(str(source.path), found, f"--topic with one of {', '.join(known)} is accepted")
+        raise InputError(str(source.path), found, f"--topic with one of {', '.join(known)}")
     return bag_topic(source, known[0], options)
 
 
@@ -279,7 +279,7 @@ def _messages(source: Source, options: LogOptions, gain: Gain | None) -> Iterato
 
 def _data_set(source: Source, options: LogOptions, gain: Gain | None) -> Iterator[TopicInfo]:
     """Episodes by their stamps; what their rows are like, by the first."""
-    accepted = "a whole LeRobot data set is accepted"
+    accepted = "a whole LeRobot data set"
     read = "harness.io.logs.lerobot:episodes_apart"
     stamps, _ = read_apart(read, source.path, accepted, seconds=source.seconds)
     first = lerobot.asked(options.topic) or next(iter(stamps), "0")

@@ -18,8 +18,8 @@ from harness.io.times import since_first, whole_numbers
 from harness.io.units import Unit
 
 ACCEPTED = (
-    "t and NAME.position, NAME.velocity, NAME.effort or NAME.current as a product of column names, #N and numbers is "
-    'accepted, e.g. "t=t,elbow.position=q3[deg],elbow.effort=7.1*cur3[N*m]"'
+    "t and NAME.position, NAME.velocity, NAME.effort or NAME.current as a product of column names, #N and numbers, "
+    'such as "t=t,elbow.position=q3[deg],elbow.effort=7.1*cur3[N*m]"'
 )
 _FIELDS: tuple[Field, ...] = ("position", "velocity", "effort", "current", "goal", "voltage", "driven", "temperature")
 
@@ -70,7 +70,7 @@ def by_name(table: Table) -> tuple[list[Target], bool]:
         first = taken.setdefault((found.field, joint), (i, found))
         if first[0] != i and first[1].word == found.word:
             names = ", ".join(quoted(table.headers[at], at) for at in (first[0], i))
-            accepted = f'one of them by --columns "{joint}.{found.field}=..." is accepted'
+            accepted = f'one of them by --columns "{joint}.{found.field}=..."'
             raise InputError(str(table.path), f"two columns that may be {joint}.{found.field}: {names}", accepted)
         taken[found.field, joint] = min(first, (i, found), key=lambda one: WORDS[one[1].field].index(one[1].word))
     ordered = sorted(taken.items(), key=lambda item: (list(WORDS).index(item[0][0]), item[1][1].number, item[1][0]))
@@ -116,7 +116,7 @@ def raw_of_file(path: Path, options: LogOptions) -> Raw:
     kind = kind_of(path)
     reader = reader_of(kind)
     if reader is None:
-        accepted = f"{formats()}, ROS bags (.bag, .db3, .mcap, a folder) and LeRobot data sets are accepted"
+        accepted = f"{formats()}, ROS bags (.bag, .db3, .mcap, a folder) and LeRobot data sets"
         raise InputError(str(path), f"the format {kind or 'without a name'}", accepted)
     return raw_of(reader.open(path, options.skip_rows) if reader.text else reader.open(path), options)
 
@@ -127,7 +127,7 @@ def raw_of(table: Table, options: LogOptions) -> Raw:
     if options.columns is None:
         targets, numbered = by_name(table)
         if options.rate is not None and clock is not None:
-            accepted = "one of the two is accepted (--columns without t leaves the column out)"
+            accepted = "one of the two (--columns without t leaves the column out)"
             raise InputError("--rate", f"given although a column of {table.path} gives the time", accepted)
     else:
         targets, said = by_option(options.columns)
@@ -135,10 +135,10 @@ def raw_of(table: Table, options: LogOptions) -> Raw:
         numbered = False
     if not any(target.field == "position" for target in targets):
         found = f"no joint's position among the columns {table.listed()}"
-        raise InputError(str(table.path), found, f'{NEEDED}, or --columns "t=...,NAME.position=..." are accepted')
+        raise InputError(str(table.path), found, f'{NEEDED}, or --columns "t=...,NAME.position=..."')
     if clock is None and options.rate is None:
         found = f"no time among the columns {table.listed()}"
-        raise InputError(str(table.path), found, "--rate HZ, or a column t, is accepted")
+        raise InputError(str(table.path), found, "--rate HZ, or a column t")
     asked = {str(i): _with_unit(table, target, options) for i, target in enumerate(targets)}
     if clock is not None:
         asked["t"] = clock
@@ -146,7 +146,7 @@ def raw_of(table: Table, options: LogOptions) -> Raw:
     sizes = {values.size for values, _ in read.values()}
     if len(sizes) > 1:
         found = f"columns of {min(sizes)} to {max(sizes)} values"
-        raise InputError(str(table.path), found, "columns of one length are accepted")
+        raise InputError(str(table.path), found, "columns of one length")
     t, notes = _times(read.get("t"), sizes.pop(), options.rate)
     fields: Fields = {}
     told: dict[str, str] = {}

@@ -17,7 +17,7 @@ from harness.io.reader import Reader
 from harness.io.table import ArrayTable, Held, Table, held, table_of_arrays
 from harness.io.units import split_headers
 
-_READABLE = "a readable Parquet file is accepted"
+_READABLE = "a readable Parquet file"
 _WIDEST = 256
 """Numbers of a list that are columns; a picture is none."""
 _A_SECOND = {"s": 1, "ms": 1_000, "us": 1_000_000, "ns": 1_000_000_000}
@@ -79,7 +79,7 @@ class ParquetTable(Table):
         number = kind.value_type if lists else kind
         stamps = pa.types.is_timestamp(kind) or pa.types.is_duration(kind) or pa.types.is_time(kind)
         if not (pa.types.is_integer(number) or pa.types.is_floating(number) or pa.types.is_decimal(number) or stamps):
-            raise InputError(where, f"a column of type {kind}", "a column of numbers is accepted")
+            raise InputError(where, f"a column of type {kind}", "a column of numbers")
         at = [i for i, (source, _) in enumerate(self._source) if source == name]
         try:
             column = self._file.read(columns=[name]).column(0)
@@ -89,7 +89,7 @@ class ParquetTable(Table):
         except (pa.ArrowException, OSError) as error:
             raise InputError(where, f"unreadable ({error})", _READABLE) from None
         if flat.size != rows * len(at):
-            accepted = f"lists of {len(at)} numbers, as in the first row, are accepted"
+            accepted = f"lists of {len(at)} numbers, as in the first row"
             raise InputError(f"{self.path}: column {name}", "lists of several lengths", accepted)
         return flat.reshape(-1, len(at))
 
@@ -162,7 +162,7 @@ def _hdf5_array(path: Path, name: str, part: str, matlab: bool) -> Any:
     with h5py.File(path, "r") as file:
         item = file[name]
         if item.external or item.is_virtual:
-            raise InputError(f"{path}: {name}", "kept in another file", "a data set kept in this file is accepted")
+            raise InputError(f"{path}: {name}", "kept in another file", "a data set kept in this file")
         values = np.asarray(item[()])[part] if part else np.asarray(item[()])
         return values.T if matlab else values
 
@@ -174,12 +174,12 @@ def open_hdf5(path: Path) -> ArrayTable:
     except (InputError, MemoryError):
         raise
     except Exception as error:  # HDF5's parser raises whatever the broken bytes lead it to
-        raise InputError(str(path), f"not an HDF5 file ({error})", "a whole HDF5 file is accepted") from None
+        raise InputError(str(path), f"not an HDF5 file ({error})", "a whole HDF5 file") from None
 
 
 def open_mat(path: Path) -> ArrayTable:
     """Open a MATLAB file of any version."""
-    accepted = "a MATLAB file of version 4 to 7.3 is accepted"
+    accepted = "a MATLAB file of version 4 to 7.3"
     try:
         import h5py
         import scipy.io
@@ -194,7 +194,7 @@ def open_mat(path: Path) -> ArrayTable:
     except Exception as error:  # SciPy's and HDF5's parsers raise whatever the broken bytes lead them to
         raise InputError(str(path), f"not a MATLAB file ({error})", accepted) from None
     if any("MatlabOpaque" in type(value).__name__ or value is None for value in content.values()):
-        found, accepted = "a MATLAB table or timetable", "saved by s = table2struct(T,'ToScalar',true) it is accepted"
+        found, accepted = "a MATLAB table or timetable", "a struct of it, saved: s = table2struct(T,'ToScalar',true)"
         raise InputError(str(path), found, accepted)
     arrays = {k: v for key, value in content.items() if not key.startswith("__") for k, v in _flatten(key, value)}
     return table_of_arrays(path, {name: held(value) for name, value in arrays.items()})
@@ -217,7 +217,7 @@ def _of_npz(path: Path, read: Callable[..., Any], *arguments: Any) -> Any:
     except (InputError, MemoryError):
         raise
     except Exception as error:  # zlib, bz2, lzma, zipfile and NumPy have each their own
-        accepted = "numeric arrays saved by numpy.savez are accepted"
+        accepted = "numeric arrays saved by numpy.savez"
         raise InputError(str(path), f"not an .npz archive ({error})", accepted) from None
 
 
@@ -233,7 +233,7 @@ def _npy_arrays(path: Path) -> dict[str, Held]:
                 read = np.lib.format.read_array_header_1_0 if one else np.lib.format.read_array_header_2_0
                 shape, _, dtype = read(file)
             if dtype.hasobject:
-                accepted = "an archive of numeric arrays is accepted"
+                accepted = "an archive of numeric arrays"
                 raise InputError(f"{path}: {name}", "pickled Python objects, which could run a program", accepted)
             arrays[name] = Held(shape, dtype, partial(_of_npz, path, _npy_array, path, name))
     return arrays

@@ -14,7 +14,7 @@ from harness.io.table import ArrayTable, held, table_of_arrays
 
 _MOST_NAMES = 256
 """Columns that are made of records."""
-_ACCEPTED = "a list of records, or lists of numbers by name, are accepted"
+_ACCEPTED = "a list of records, or lists of numbers by name"
 
 
 def open_json(path: Path) -> ArrayTable:

@@ -22,15 +22,15 @@ def open_workbook(path: Path) -> TextTable:
     try:
         import openpyxl
     except ImportError:
-        found = "a workbook, and no library that reads one"
-        raise InputError(str(path), found, "pip install 'friction-harness[files]', or the sheet saved as CSV") from None
+        found = "a workbook, and no library that reads one (a sheet saved as CSV needs none)"
+        raise InputError(str(path), found, "try: pip install 'friction-harness[files]'") from None
     try:
         book = openpyxl.load_workbook(path, read_only=True, data_only=True)
         sheets = {sheet.title: list(sheet.iter_rows(values_only=True)) for sheet in book.worksheets}
     except MemoryError:
         raise
     except Exception as error:  # whatever the broken bytes lead zipfile, the XML parser and the library to
-        raise InputError(str(path), f"not a workbook ({error})", "an Excel file .xlsx is accepted") from None
+        raise InputError(str(path), f"not a workbook ({error})", "an Excel file .xlsx") from None
     title = max(
         sheets, key=lambda name: sum(isinstance(c, float | int) for row in sheets[name] for c in row), default=""
     )
@@ -58,13 +58,13 @@ def open_archive(path: Path) -> TextTable:
             found = [e for e in archive.infolist() if kind_of(Path(e.filename)) in TEXT.suffixes and not e.is_dir()]
             found = [e for e in found if not {"meta", "__MACOSX"} & set(Path(e.filename).parts)]
             if not found:
-                raise InputError(str(path), "an archive without a text table", "one with a .csv or .txt is accepted")
+                raise InputError(str(path), "an archive without a text table", "one with a .csv or .txt")
             entry = max(found, key=lambda e: e.file_size)
             if entry.file_size > MOST_BYTES:
-                raise InputError(str(path), f"{entry.file_size} bytes, unpacked", f"at most {MOST_BYTES} are accepted")
+                raise InputError(str(path), f"{entry.file_size} bytes, unpacked", f"at most {MOST_BYTES}")
             data = archive.read(entry)
     except (zipfile.BadZipFile, OSError, EOFError, NotImplementedError, RuntimeError, ValueError) as error:
-        raise InputError(str(path), f"not an archive ({error})", "a whole .zip file is accepted") from None
+        raise InputError(str(path), f"not an archive ({error})", "a whole .zip file") from None
     return _told(TextTable(path, data=data), f"'{entry.filename}'", len(found))
 
 

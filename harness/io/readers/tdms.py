@@ -18,15 +18,15 @@ def open_tdms(path: Path) -> ArrayTable:
     try:
         from nptdms import TdmsFile
     except ImportError:
-        missing = "a .tdms file, and no library that reads one"
-        raise InputError(str(path), missing, "pip install 'friction-harness[files]', or an export as .lvm") from None
+        missing = "a .tdms file, and no library that reads one (an export as .lvm needs none)"
+        raise InputError(str(path), missing, "try: pip install 'friction-harness[files]'") from None
     try:
         groups = TdmsFile.read(path).groups()
         found = [(group.name, one, np.asarray(one[:])) for group in groups for one in group.channels()]
     except MemoryError:
         raise
     except Exception as error:  # whatever the broken bytes lead the library to
-        raise InputError(str(path), f"not a .tdms file ({error})", "a whole file of LabVIEW is accepted") from None
+        raise InputError(str(path), f"not a .tdms file ({error})", "a whole file of LabVIEW") from None
     arrays: dict[str, FloatArray] = {}
     times: dict[str, FloatArray] = {}
     for group, one, values in found:

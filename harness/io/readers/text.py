@@ -81,7 +81,7 @@ def _cells(where: str, line: str, separator: str) -> list[str]:
     try:
         return [cell.strip() for cell in next(csv.reader([line], delimiter=separator))]
     except csv.Error as error:
-        accepted = f"cells of at most {csv.field_size_limit()} characters are accepted"
+        accepted = f"cells of at most {csv.field_size_limit()} characters"
         raise InputError(where, f"unreadable ({error})", accepted) from None
 
 
@@ -101,7 +101,7 @@ def _layout(path: Path, data: bytes | bytearray, skip_rows: int) -> tuple[_Layou
         lines.pop()
     if skip_rows >= len(lines) and skip_rows > 0:
         found = f"{skip_rows} of {len(lines)} lines"
-        raise InputError(f"{path}: --skip-rows", found, "fewer than there are is accepted")
+        raise InputError(f"{path}: --skip-rows", found, "fewer than there are")
     offset = sum(len(line) + 1 for line in lines[:skip_rows])
     shown: list[tuple[int, int, str]] = []
     tabbed = False
@@ -114,7 +114,7 @@ def _layout(path: Path, data: bytes | bytearray, skip_rows: int) -> tuple[_Layou
         offset += len(raw) + 1
     body = [entry for entry in shown if not entry[2].startswith(_COMMENT)]
     if not body:
-        raise InputError(str(path), "no rows", "a header and at least 50 rows are accepted")
+        raise InputError(str(path), "no rows", "a header and at least 50 rows")
     separator, decimal = separator_of([text for _, _, text in body[:_LOOKED]])
     below = _heading(path, [(n, text) for n, _, text in body[:_LOOKED]], separator, decimal)
     if below is not None:
@@ -133,7 +133,7 @@ def _layout(path: Path, data: bytes | bytearray, skip_rows: int) -> tuple[_Layou
         return _Layout(separator, decimal, fields, start, number), None
     cells = _header(where, text, separator)
     if len(body) == 1:
-        raise InputError(str(path), "0 rows under the header", "at least 50 are accepted")
+        raise InputError(str(path), "0 rows under the header", "at least 50")
     units = _units(cells, [_cells(f"{path}: line {n}", text, separator) for n, _, text in body[1:3]], decimal)
     number, start, _ = body[2] if units else body[1]
     return _Layout(separator, decimal, tuple(cells), start, number, units), None
@@ -223,7 +223,7 @@ def _bytes(path: Path) -> bytes | bytearray:
             file.seek(0)
             return unpacked(path, file) if packed else read_bytes(path)
     except OSError as error:
-        raise InputError(str(path), error.strerror or "unreadable", "a file that can be read is accepted") from None
+        raise InputError(str(path), error.strerror or "unreadable", "a file that can be read") from None
 
 
 def _lines(path: Path, data: bytes | bytearray) -> bytes | bytearray:
@@ -232,15 +232,15 @@ def _lines(path: Path, data: bytes | bytearray) -> bytes | bytearray:
         try:
             data = data.decode("utf-16").encode("utf-8")
         except UnicodeError:
-            accepted = "a text table in UTF-8 or UTF-16 is accepted"
+            accepted = "a text table in UTF-8 or UTF-16"
             raise InputError(str(path), "UTF-16 that is damaged", accepted) from None
     if b"\x00" in data[:_HEAD]:
-        raise InputError(str(path), "binary content", "a text table in UTF-8, or in UTF-16 with its mark, is accepted")
+        raise InputError(str(path), "binary content", "a text table in UTF-8, or in UTF-16 with its mark")
     if b"\r" in data:
         data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     rows = data.count(b"\n")
     if rows > MOST_ROWS:
-        raise InputError(str(path), f"{rows} lines", f"at most {MOST_ROWS} are accepted")
+        raise InputError(str(path), f"{rows} lines", f"at most {MOST_ROWS}")
     return data
 
 
@@ -320,22 +320,22 @@ class TextTable(Table):
             end = len(self._data) if end < 0 else end
             where = f"{self.path}: line {line}"
             if end - start > _LONGEST_LINE:
-                raise InputError(where, f"{end - start} bytes", f"lines of at most {_LONGEST_LINE} are accepted")
+                raise InputError(where, f"{end - start} bytes", f"lines of at most {_LONGEST_LINE}")
             text = _decode(self._data[start:end]).strip(" ")
             if text.strip() and not text.startswith(_COMMENT):
                 cells = _cells(where, text, self._layout.separator)
                 if len(cells) < width and not self._data[end:].strip():
-                    self._leave_out(f"Line {line}, the last one, is cut short: left out.")
+                    self._leave_out(f"Line {line}, the last one, is cut short: skipped.")
                 elif len(cells) != width:
                     odd += 1
                     if odd > 1 + _MOST_ODD * rows:
-                        accepted = f"{width}, as in the first row, are accepted"
+                        accepted = f"{width}, as in the first row"
                         raise InputError(f"{self.path}: row {rows + 1} (line {line})", f"{len(cells)} cells", accepted)
-                    self._leave_out(f"Line {line} has {len(cells)} cells where the others have {width}: left out.")
+                    self._leave_out(f"Line {line} has {len(cells)} cells where the others have {width}: skipped.")
                 elif begun and not any(self._says(cell) for cell in cells):
-                    self._leave_out(f"Line {line} holds text and no number: left out.")
+                    self._leave_out(f"Line {line} holds text and no number: skipped.")
                 elif begun and counted and self._is_summary(cells[0], end):
-                    self._leave_out(f"Line {line}, below the rows, begins with '{cells[0][:20]}': left out.")
+                    self._leave_out(f"Line {line}, below the rows, begins with '{cells[0][:20]}': skipped.")
                 else:
                     counted = counted if begun else _number(cells[0], self._layout.decimal) is not None
                     begun, rows = True, rows + 1
@@ -366,7 +366,7 @@ class TextTable(Table):
                     value = None
                 if value is None:
                     where = f"{self.path}: row {row} (line {line}), column {self.names[i] or f'#{i + 1}'}"
-                    raise InputError(where, f"the text '{cells[i][:40]}'", "a number is accepted")
+                    raise InputError(where, f"the text '{cells[i][:40]}'", "a number")
                 column.append(value)
         self.dated |= {i: clock.first for i, clock in zip(positions, clocks, strict=True) if clock.first}
         return [np.asarray(column, dtype=np.float64) for column in columns]

@@ -23,7 +23,7 @@ def open_wpilog(path: Path) -> ArrayTable:
     """The entries of numbers, on the clock of the one that has most. Raises InputError for a file that is none."""
     data = read_bytes(path)
     if data[:6] != _MARK or len(data) < 12:
-        raise InputError(str(path), "not a log of WPILib", "a whole .wpilog file is accepted")
+        raise InputError(str(path), "not a log of WPILib", "a whole .wpilog file")
     at = 12 + int.from_bytes(data[8:12], "little")
     entries: dict[int, tuple[str, str]] = {}
     signals: dict[str, tuple[list[float], list[float]]] = {}

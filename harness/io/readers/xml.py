@@ -30,7 +30,7 @@ def _root(path: Path, data: bytes) -> "_Element":
         # no entity is resolved, nothing is fetched
         return etree.fromstring(data, etree.XMLParser(resolve_entities=False, no_network=True))
     except (etree.XMLSyntaxError, ValueError) as error:
-        raise InputError(str(path), f"no whole XML ({error})", "a file as its program saved it is accepted") from None
+        raise InputError(str(path), f"no whole XML ({error})", "a file as its program saved it") from None
 
 
 def _number(text: str | None) -> float:
@@ -80,7 +80,7 @@ def _member(path: Path, data: bytes) -> bytes | None:
             found = next((one for one in archive if one.isfile() and one.name.endswith(_MEMBER)), None)
             file = archive.extractfile(found) if found is not None else None
             if found is None or file is None or found.size > MOST_BYTES:
-                raise InputError(str(path), f"an archive without {_MEMBER}", "a whole .gambl file is accepted")
+                raise InputError(str(path), f"an archive without {_MEMBER}", "a whole .gambl file")
             return file.read(found.size)
     except (tarfile.TarError, EOFError):
         return None

@@ -54,7 +54,7 @@ class Sealed:
         effects, noise = answer.get("plant"), answer.get("noise")
         parts = [effects, noise, *(effects.values() if isinstance(effects, dict) else ())]
         if not all(isinstance(part, dict) for part in parts):
-            raise InputError("answer", "no effects and noise of a machine", "those of a sealed answer are accepted")
+            raise InputError("answer", "no effects and noise of a machine", "those of a sealed answer")
         assert isinstance(effects, dict)
         assert isinstance(noise, dict)
         return cls(effects, noise)
@@ -200,7 +200,7 @@ def draw(kind: Kind, main: str, rng: np.random.Generator, sealed: Sealed | None 
     """
     possible = (*kind.names, *UNKNOWN, *STATIC)
     if main and main not in possible:
-        raise InputError("effect", main, f"one of {', '.join(possible)} is accepted on a {kind.name}")
+        raise InputError("effect", main, f"one of {', '.join(possible)} on a {kind.name}")
     bare = not main and rng.random() < BARE
     passed = 0
     for _ in range(MOST_TRIES):

@@ -106,7 +106,7 @@ def _noise(rng: np.random.Generator, base: Base, style: str) -> Noise:
     if style == "quantised":
         return Noise(sigma, step={"x": sigma["x"] * float(rng.uniform(1.0, 4.0))})
     if style != "white":
-        raise InputError("noise", style, "white, coloured, quantised or mixed is accepted")
+        raise InputError("noise", style, "white, coloured, quantised or mixed")
     return Noise(sigma)
 
 
@@ -121,11 +121,11 @@ def draw(
     kinds: tuple[str, ...] = () if kind == "control" else (kind,) if isinstance(kind, str) else tuple(kind)
     unknown = [name for name in kinds if name not in BENCH]
     if unknown:
-        raise InputError("kind", unknown[0], f"control or one of {', '.join(BENCH)} is accepted")
+        raise InputError("kind", unknown[0], f"control or one of {', '.join(BENCH)}")
     if len(kinds) == 2 and not compatible(*kinds):
-        raise InputError("kind", " + ".join(kinds), "two effects that can act together are accepted")
+        raise InputError("kind", " + ".join(kinds), "two effects that can act together")
     if setting not in SETTINGS:
-        raise InputError("setting", setting, f"one of {', '.join(SETTINGS)} is accepted")
+        raise InputError("setting", setting, f"one of {', '.join(SETTINGS)}")
     if "static-friction" in kinds and setting in ("decay", "pendulum"):
         setting = "driven"
     for _ in range(MOST_TRIES):

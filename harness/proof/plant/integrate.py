@@ -257,7 +257,7 @@ def simulate(
     Raises InputError for another solver, SimulationError when it gives up or the motion has no end of events.
     """
     if solver not in SOLVERS:
-        raise InputError("plant: solver", solver, f"one of {', '.join(SOLVERS)} is accepted")
+        raise InputError("plant: solver", solver, f"one of {', '.join(SOLVERS)}")
     t = np.asarray(t, dtype=np.float64)
     machine = Machine(model)
     tape, reversals = _Tape(machine, t), []

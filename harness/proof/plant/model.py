@@ -163,7 +163,7 @@ class PlantModel:
         finite("plant: x0", self.x0)
         finite("plant: v0", self.v0)
         if self.restoring not in ("spring", "pendulum", "none"):
-            raise InputError("plant: restoring", self.restoring, "spring, pendulum or none is accepted")
+            raise InputError("plant: restoring", self.restoring, "spring, pendulum or none")
 
     @property
     def omega_n(self) -> float:

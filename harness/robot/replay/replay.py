@@ -124,7 +124,7 @@ def replayed(
             raise SimulationError(f"engine {PYBULLET}: not installed ({error})") from error
         slides, motions, its = arm.slides(paste.joint), [], version(PYBULLET)
         if slides and arm.armature[drive.at] > 0.0:
-            unsaid = (f"the rotor of {paste.joint}, a slide, is left out: PyBullet has no word for it",)
+            unsaid = (f"the rotor of {paste.joint}, a slide, is not replayed: PyBullet has no word for it",)
         for one, texts in zip(both, ({}, edited), strict=True):
             rotor = 0.0 if slides else float(one.armature[drive.at])
             root = bare_model(path, texts).root

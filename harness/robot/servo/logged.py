@@ -30,11 +30,11 @@ def servo_joint(log: JointLog, asked: str | None) -> str:
         if moves.get(asked, 0.0) < _MOVES:
             those = ", ".join(name for name, far in moves.items() if far >= _MOVES) or "none"
             found = "no goal of it is logged" if asked not in moves else "goal and position hardly move"
-            raise InputError(f"{log.file}: {asked}", found, f"one of those that move is accepted: {those}")
+            raise InputError(f"{log.file}: {asked}", found, f"one of those that move: {those}")
         return asked
     best = max(moves, key=moves.__getitem__, default=None)
     if best is None or moves[best] < _MOVES:
-        raise InputError(log.file, "no joint whose goal and position move", "a log with both is accepted")
+        raise InputError(log.file, "no joint whose goal and position move", "a log with both")
     return best
 
 

@@ -83,5 +83,5 @@ def preset(name: str) -> Preset:
     found = PRESETS.get(name.lower())
     if found is None:
         listed = ", ".join(PRESETS)
-        raise InputError("--servo", f"{name!r}", f"one of {listed} is accepted{did_you_mean(name.lower(), PRESETS)}")
+        raise InputError("--servo", f"{name!r}", f"one of {listed}{did_you_mean(name.lower(), PRESETS)}")
     return found

@@ -183,21 +183,21 @@ def long_enough(log: JointLog) -> float:
     """Duration of a log, s. Raises InputError where it is too short to say anything of an arm."""
     seconds = float(log.t[-1] - log.t[0])
     if seconds < LEAST_SECONDS:
-        raise InputError(log.file, f"{seconds:.3g} s", f"a log of at least {LEAST_SECONDS:g} s is accepted")
+        raise InputError(log.file, f"{seconds:.3g} s", f"a log of at least {LEAST_SECONDS:g} s")
     return seconds
 
 
 def _effort_joints(log: JointLog, arm: Arm, joints: Sequence[str] | None) -> tuple[str, ...]:
     """Joints with position and effort, in the arm's order; unknown ones are refused."""
-    accepted = f"joints of {arm.file} are accepted: {', '.join(arm.joints)}"
+    accepted = f"joints of {arm.file}: {', '.join(arm.joints)}"
     if not log.effort:
-        raise InputError(log.file, "no joint's effort", "a log with torques of joints is accepted")
+        raise InputError(log.file, "no joint's effort", "a log with torques of joints")
     asked = tuple(log.effort) if joints is None else tuple(joints)
     for name in asked:
         if name not in arm.joints:
             raise InputError(log.file, f"joint {name}", accepted)
         if name not in log.effort or name not in log.position:
-            raise InputError(log.file, f"joint {name} without position or effort", "a joint with both is accepted")
+            raise InputError(log.file, f"joint {name} without position or effort", "a joint with both")
     if not asked:
         raise InputError(log.file, "no joint asked for", accepted)
     return tuple(name for name in arm.joints if name in asked)
@@ -208,7 +208,7 @@ def _lowpass(file: str, q: FloatArray, rate: float, given: float | None) -> floa
     most = rate / 4.0
     if given is not None:
         if not 0.0 < given <= most:
-            raise InputError(f"{file}: lowpass", f"{given:g} Hz", f"above 0 and up to {most:.4g} Hz is accepted")
+            raise InputError(f"{file}: lowpass", f"{given:g} Hz", f"above 0 and up to {most:.4g} Hz")
         return given
     f = np.fft.rfftfreq(q.shape[0], 1.0 / rate)
     flat = q - np.linspace(q[0], q[-1], q.shape[0])

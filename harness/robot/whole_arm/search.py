@@ -351,7 +351,7 @@ def solve(log: JointLog, arm: Arm, joints: Sequence[str] | None, lowpass: float 
     everything = differentiate(log, arm, joints, lowpass)
     going = everything.moving
     if not going:
-        raise InputError(log.file, "no joint that moves to and fro", "a log in which joints move both ways is accepted")
+        raise InputError(log.file, "no joint that moves to and fro", "a log in which joints move both ways")
     still = tuple(name for j, name in enumerate(everything.joints) if j not in going)
     names = [everything.joints[j] for j in going]
     first = problem = prepare(differentiate(log, arm, names, everything.band.lowpass), arm, known)

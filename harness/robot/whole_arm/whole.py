@@ -106,7 +106,7 @@ def whole_arm(
     the arm has not; and for a payload, sensor or lowpass that cannot be.
     """
     if sensor not in (None, LINK, MOTOR_SIDE):
-        raise InputError("sensor", repr(sensor), f"{LINK} or {MOTOR_SIDE} is accepted")
+        raise InputError("sensor", repr(sensor), f"{LINK} or {MOTOR_SIDE}")
     if payload is not None and not_negative("payload", payload, "kg") > 0.0:
         arm = with_load(arm, payload)
     if sensor == LINK:

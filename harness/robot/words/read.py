@@ -15,7 +15,7 @@ from harness.robot.bare import MOST_BYTES, read_xml, with_included
 from harness.robot.paste import tags
 from harness.robot.words.table import Form
 
-ACCEPTED: Final = "an MJCF, URDF or SDF, or a USD as text (.usda), is accepted"
+ACCEPTED: Final = "an MJCF, URDF or SDF, or a USD as text (.usda)"
 _ROOTS: Final[dict[str, Form]] = {
     "mujoco": "mjcf",
     "mujocoinclude": "mjcf",

@@ -31,7 +31,7 @@ from harness.show.stored import Shown
 
 Answer: TypeAlias = DiagnosisResult | FailedDiagnosis
 VERDICTS = {
-    "missing_physics": "physics left out",
+    "missing_physics": "missing physics",
     "main_effect": "main effect",
     "one_of": "one of several",
     "adequate": "adequate",
@@ -75,7 +75,7 @@ def diagnosis_page(
         *([_evidence(result)] if result.mechanisms or len(result.posterior) > 1 else []),
         *_to_know(result),
     ]
-    if told is not None and (change := to_change(told)):
+    if told is not None and result.has_own_simulation and (change := to_change(told)):
         sections.append(b.verdict("", change, heading="What to change in your simulation"))
     sections += [
         b.Section("Details", _details(result, seen)),
@@ -178,7 +178,7 @@ def index_page(answers: Sequence[Answer], folder: Path, command: str, fleet: Fle
     """The page of many, which lies in ``folder``. fleet : what they say together, of one robot."""
     counts = Counter(m.name for answer in answers for m in answer.mechanisms)
     named = ", ".join(f"{name} ({count})" for name, count in counts.most_common())
-    headline = f"Left out: {named}." if named else "No physics was found to be left out."
+    headline = f"Missing: {named}." if named else "No physics was found to be missing."
     failed = [f"{one.recording.file}: {one.error}" for one in answers if isinstance(one, FailedDiagnosis)]
     rows = [
         b.Row(
@@ -186,7 +186,7 @@ def index_page(answers: Sequence[Answer], folder: Path, command: str, fleet: Fle
         )
         for answer in answers
     ]
-    heads = ("verdict", "left out", "not ruled out", "chi-square per point before", "after")
+    heads = ("verdict", "missing", "not ruled out", "chi-square per point before", "after")
     blocks: list[b.Block] = [b.Table("recording", [b.Column(head, str) for head in heads], rows)]
     if command:
         blocks.append(b.Code(command, intro="This command makes it again:"))

@@ -63,7 +63,8 @@ def diagnosis_scene(
 def _notes(result: DiagnosisResult) -> str:
     """The verdict in words, and the evidence as a table."""
     lines = [s.notes_of("Verdict", gained(result) + said(result), result.statement)]
-    if result.attribution is not None and (change := to_change(result.attribution)):
+    told = result.attribution
+    if told is not None and result.has_own_simulation and (change := to_change(told)):
         lines += ["", "## What to change in your simulation", "", *(f"- {sentence}" for sentence in change)]
     if result.evidence:
         lines += ["", "## Evidence over the catalogue", ""]

@@ -83,7 +83,7 @@ def diff_page(result: DiffResult) -> Page:
         Column("verdict", lambda line: Cell(line.verdict, grade=line.grade)),
     ]
     caption = (
-        "Better is nearer to the exact answer, worse farther from it; what stays within its tolerance is left out."
+        "Better is nearer to the exact answer, worse farther from it; what stays within its tolerance is not listed."
     )
     table = tabulated("row", columns, diff_lines(result), lambda line: line.about, note, caption=caption)
     said = [f"{name}: known to fail ({why}), and does not." for name, why in result.passed.items()]

@@ -28,7 +28,7 @@ from harness.show.report.motion import motion_section, phase_figure, reversal_se
 from harness.show.report.page import made_with
 
 METHODS = {
-    "acceleration": "each side of a reversal fitted, leaving out a guard interval found from the data",
+    "acceleration": "each side of a reversal fitted, without a guard interval found from the data",
     "acceleration-local": "last sample before a reversal and first after it, no guard: the reversal itself",
     "acceleration-paper": "five-point average, first period dropped, estimates averaged: the paper's own practice",
     "displacement": "turning points of the displacement",

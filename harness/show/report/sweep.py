@@ -330,7 +330,7 @@ def _worst(found: Sequence[Worst], engines: _Engines) -> b.Section:
 
 def _servos() -> b.Section:
     about = (
-        f"What the way a servo is computed does to its damping, from the laws of docs/fidelity.md: stiffness "
+        "What the way a servo is computed does to its damping, from the laws of docs/fidelity.md: stiffness "
         f"{STIFFNESS:g} N/m, step {STEP * 1e3:g} ms, {MASS:g} kg, {DAMPING:g} N s/m."
     )
     columns = [
