@@ -161,6 +161,7 @@ def diagnose(
     dt: float | None = None,
     covariates: Sequence[str] | None = None,
     budget: float | None = None,
+    conditions: File | Mapping[str, Mapping[str, float]] | None = None,
     out: File | None = None,
 ) -> DiagnosisResult:
     """Find which physics viscous and Coulomb friction miss in a recording, and the model that has it.
@@ -172,12 +173,15 @@ def diagnose(
     "spring" or "free"; both are chosen at the base fit where nobody says. engines : in which the fit is shown; () for
     none, None for MuJoCo and PyBullet. preset : "as-shipped" or "tuned". dt : their step, s. covariates : columns of a
     driven recording that act too, "P" or "P:force", ":friction", ":damping". budget : s of a usual processor that
-    trying laws may cost, counted in work; then the best so far is given (``result.bounded``). out : folder for report,
+    trying laws may cost, counted in work; then the best so far is given (``result.bounded``). conditions : of several,
+    numbers by name for each file's name, or a CSV that has them; each parameter's trend over them is then told
+    (``result.together``). out : folder for report,
     trace and models, as the command leaves them.
 
     Raises InputError for a recording or an option that cannot be used, SimulationError when no model could be
     simulated, StoreError when ``out`` cannot be written.
     """
+    from harness.app.diagnose.conditions import read_conditions
     from harness.app.diagnose.one import answer, deliver
     from harness.app.diagnose.options import DiagnoseOptions
     from harness.app.run.simulate import model_of
@@ -199,6 +203,7 @@ def diagnose(
         dt=dt,
         covariates=covariates or (),
         budget=budget,
+        conditions=read_conditions(Path(conditions)) if isinstance(conditions, str | PathLike) else conditions or {},
     )
     if not isinstance(recording, Recording | str | PathLike):
         several = [_recording(one) for one in recording]

@@ -26,7 +26,7 @@ MAY: dict[str, frozenset[str]] = {
     "engines": frozenset({"core", "model", "kernels"}),
     "fidelity": frozenset({"core", "results", "exact", "estimate", "engines.base"}),
     "diagnosis": frozenset({"core", "model", "kernels", "fit", "estimate"}),
-    "robot": frozenset({"core", "model", "engines", "fit", "diagnosis"}),
+    "robot": frozenset({"core", "model", "engines", "fit", "estimate", "diagnosis"}),
     "proof": frozenset({"core", "results"}),
     "io": frozenset({"core"}),
     "show": frozenset({"core", "results", "fidelity"}),

@@ -271,19 +271,22 @@ def say_change(result: "ChangeResult") -> None:
 
 
 def show_repeated(together: Mapping[str, "RepeatedResult"]) -> None:
-    """A line a parameter: value from all recordings, error of one, spread beyond it, who stands out."""
+    """A line a parameter: value from all recordings, as laboratories report it, spread, who stands out; trends."""
     rows = [
         (
             name,
             with_error(one.value),
+            figure(one.expanded, ".2g"),
+            "-" if one.value.systematic is None else f"{one.value.systematic:.2g}",
             f"{one.within:.2g}",
             f"{one.between:.2g}",
             ", ".join(Path(file).name for file in one.outliers) or "-",
         )
         for name, one in together.items()
     ]
-    heads = ("parameter", "of all", "error of one", "spread between", "stands out")
+    heads = ("parameter", "of all\n(type A)", "U\nk = 2", "type B", "error\nof one", "spread\nbetween", "stands out")
     show_rows(heads, rows, ("parameter", "stands out"))
+    say_all(f"{name}: {trend.said}" for name, one in together.items() for trend in one.trends if trend.differs)
 
 
 def _ratio(found: "PredictionResult | None") -> str:

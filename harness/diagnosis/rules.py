@@ -156,6 +156,7 @@ COVARIATES = (DECISIVE, COVARIATE_VARIES, COVARIATE_APART)
 POOLED = rule("pooled")
 OWN = rule("own")
 AMPLITUDES_APART = rule("amplitudes-apart")
+CHANCE = rule("fleet-chance")
 POOLING = (POOLED, OWN, AMPLITUDES_APART)
 """Those that decide what several recordings share."""
 RULES: tuple[Rule, ...] = tuple(value for value in list(globals().values()) if isinstance(value, Rule))

@@ -36,33 +36,36 @@ class Repeated:
 def repeated(values: Sequence[float], errors: Sequence[float]) -> Repeated:
     """Measurements (n,) of one number with their standard errors (n,), n >= 2, all finite, errors above zero."""
     y, e = np.asarray(values, dtype=np.float64), np.asarray(errors, dtype=np.float64)
-    between = _between(y, e)
-    mean, error = _mean(y, e, between)
+    between = spread(y, e)
+    mean, error = weighted(y, e, between)
     within = math.sqrt(float(np.mean(e**2)))
     out = tuple(i for i in range(y.size) if _chance(y, e, i) * y.size < _STANDS_OUT) if y.size >= _FEWEST else ()
     return Repeated(mean, error, within, between, out)
 
 
-def _mean(y: FloatArray, e: FloatArray, between: float) -> tuple[float, float]:
+def weighted(y: FloatArray, e: FloatArray, between: float) -> tuple[float, float]:
+    """Mean of measurements (n,) with errors (n,) and a spread between them, and its error."""
     weight = 1.0 / (e**2 + between**2)
     return float(weight @ y / np.sum(weight)), float(np.sum(weight) ** -0.5)
 
 
-def _squares(y: FloatArray, e: FloatArray) -> float:
-    return float(np.sum(((y - _mean(y, e, 0.0)[0]) / e) ** 2))
+def squares(y: FloatArray, e: FloatArray) -> float:
+    """Chi-square of measurements (n,) about their mean."""
+    return float(np.sum(((y - weighted(y, e, 0.0)[0]) / e) ** 2))
 
 
-def _between(y: FloatArray, e: FloatArray) -> float:
+def spread(y: FloatArray, e: FloatArray) -> float:
+    """Standard deviation by which measurements (n,) differ beyond their errors (n,)."""
     weight = e**-2.0
     scale = float(np.sum(weight) - np.sum(weight**2) / np.sum(weight))
-    return math.sqrt(max(_squares(y, e) - (y.size - 1), 0.0) / scale)
+    return math.sqrt(max(squares(y, e) - (y.size - 1), 0.0) / scale)
 
 
 def _chance(y: FloatArray, e: FloatArray, i: int) -> float:
     """That a measurement lies so far from the others, whose spread is known from them alone (Student's t)."""
     rest = np.arange(y.size) != i
     others, theirs = y[rest], e[rest]
-    between = _between(others, theirs)
-    mean, error = _mean(others, theirs, between)
+    between = spread(others, theirs)
+    mean, error = weighted(others, theirs, between)
     far = abs(float(y[i]) - mean) / math.sqrt(float(e[i]) ** 2 + between**2 + error**2)
     return 2.0 * float(stdtr(others.size - 1, -far))

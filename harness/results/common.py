@@ -147,10 +147,23 @@ class P(Result):
         return cls.model_validate(quantity)
 
 
+class FleetTrend(Result):
+    """A straight line of a parameter over a condition."""
+
+    name: str = Field(description="the condition")
+    slope: P
+    differs: bool = Field(description="from none, all that is asked counted")
+    said: str = Field(default="", description="in words, behind the parameter's name")
+
+
 class RepeatedResult(Result):
     """A parameter as several recordings of one machine say it, each by itself."""
 
-    value: P = Field(description="of all; its error counts the spread between them")
+    value: P = Field(
+        description="of all; its error counts the spread between them (type A); systematic: hidden effects (type B)"
+    )
+    expanded: float | None = rare("expanded uncertainty, k = 2, of both types")
+    trends: list[FleetTrend] = rare("with --conditions: over each of them", list)
     within: float = Field(description="standard error of a single recording's, root mean square")
     between: float = Field(description="standard deviation of what they differ by beyond their errors")
     outliers: list[str] = Field(description="files whose value stands out from the others'")

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from harness.results.common import Machine, P, Result, rare
+from harness.results.common import FleetTrend, Machine, P, Result, rare
 from harness.results.diagnosis import RuleResult
 
 
@@ -13,14 +13,6 @@ class FleetLog(Result):
 
     file: str
     conditions: dict[str, float | None] = Field(description="as --conditions gives them; null where it does not")
-
-
-class FleetTrend(Result):
-    """A straight line of a parameter over a condition."""
-
-    name: str = Field(description="the condition")
-    slope: P
-    differs: bool = Field(description="from none, all that is asked counted")
 
 
 class FleetRow(Result):

@@ -15,25 +15,10 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.quantity import Quantity
-from harness.diagnosis.rules import Rule
+from harness.diagnosis.rules import CHANCE
+from harness.estimate.repeated import spread, squares, weighted
+from harness.estimate.trends import Conditions, Trend, trends
 from harness.robot.friction_curve import splines
-
-CHANCE = Rule(
-    "fleet-chance",
-    0.01,
-    "probability",
-    "a parameter of a joint is said to differ between logs, or to change with a condition",
-    "by chance alone one fleet in a hundred has one; the sum over all parameters of all joints is meant (Bonferroni)",
-)
-
-
-@dataclass(frozen=True, slots=True)
-class Trend:
-    """With what a parameter changes. name : of the condition. slope : of the parameter over it. differs : from none."""
-
-    name: str
-    slope: Quantity
-    differs: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,10 +98,6 @@ def over_speed(curves: Sequence[Curve | None]) -> tuple[dict[str, float], list[d
     return speeds, none
 
 
-Conditions = Mapping[str, Sequence[float | None]]
-"""By name, one number a log, None where it is not known."""
-
-
 def compared(logs: Sequence[Values], conditions: Conditions = MappingProxyType({})) -> tuple[Compared, ...]:
     """Every parameter that at least two logs have with an error: what has none cannot be compared."""
     kept = []
@@ -137,53 +118,14 @@ def _compared(
 
     there = {i: q for i, q in enumerate(values) if q is not None}
     x, s = (np.array([getattr(q, what) for q in there.values()], dtype=np.float64) for what in ("value", "stderr"))
-    mean, _ = _mean(x, s)
-    chi2, freedom = float(np.sum(((x - mean) / s) ** 2)), x.size - 1
-    between = _between(chi2, s)
-    mean, error = _mean(x, np.hypot(s, between))
+    chi2, freedom, between = squares(x, s), x.size - 1, spread(x, s)
+    mean, error = weighted(x, s, between)
     chance = float(chdtrc(freedom, chi2))
-    without = [_mean(np.delete(x, i), np.delete(s, i)) for i in range(x.size)]
-    far = [abs(x[i] - others) / float(np.hypot(s[i], spread)) for i, (others, spread) in enumerate(without)]
+    without = [weighted(np.delete(x, i), np.delete(s, i), 0.0) for i in range(x.size)]
+    far = [abs(x[i] - others) / float(np.hypot(s[i], own)) for i, (others, own) in enumerate(without)]
     at, unit = [*there], next(iter(there.values())).unit
-    trends = (_trend(what, [given[i] for i in at], x, s, unit, level) for what, given in conditions.items())
+    given = {what: [all_of_it[i] for i in at] for what, all_of_it in conditions.items()}
     return Compared(
         joint, name, values, Quantity(mean, error, unit), chi2, freedom, chance, at[int(np.argmax(far))],
-        chance < level, between, tuple(one for one in trends if one is not None),
+        chance < level, between, trends(given, x, s, unit, level),
     )  # fmt: skip
-
-
-def _mean(x: FloatArray, s: FloatArray) -> tuple[float, float]:
-    """Weighted mean and its error."""
-    weights = 1.0 / s**2
-    return float(weights @ x / weights.sum()), float(weights.sum() ** -0.5)
-
-
-def _between(chi2: float, s: FloatArray) -> float:
-    """Standard deviation between logs that such a scatter has beyond errors (k,)."""
-    w = 1.0 / s**2
-    beyond = chi2 - (s.size - 1)
-    return math.sqrt(max(beyond, 0.0) / float(w.sum() - np.sum(w**2) / w.sum()))
-
-
-def _trend(
-    name: str, given: Sequence[float | None], x: FloatArray, s: FloatArray, unit: str, level: float
-) -> Trend | None:
-    """A straight line through the values; its error is that of the scatter about it where that is larger.
-
-    None for fewer than three logs with different conditions: two points always lie on a line.
-    """
-    from scipy.special import stdtr
-
-    known = [i for i, value in enumerate(given) if value is not None]
-    at = np.array([given[i] for i in known], dtype=np.float64)
-    if np.unique(at).size < 3:
-        return None
-    x, s = x[known], s[known]
-    columns = np.column_stack((np.ones_like(at), at - at.mean())) / s[:, None]
-    inverse = np.linalg.inv(columns.T @ columns)
-    line = inverse @ columns.T @ (x / s)
-    freedom = at.size - 2
-    scatter = float(np.sum((x / s - columns @ line) ** 2)) / freedom
-    slope, error = float(line[1]), float(np.sqrt(inverse[1, 1] * max(scatter, 1.0)))
-    differs = 2.0 * float(stdtr(freedom, -abs(slope) / error)) < level
-    return Trend(name, Quantity(slope, error, f"{unit} per {name}"), differs)

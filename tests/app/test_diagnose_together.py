@@ -9,10 +9,13 @@ import pytest
 from rebuilt import is_rebuilt
 
 import harness
+from harness.app.diagnose.conditions import read_conditions
 from harness.app.diagnose.many import diagnose_together
 from harness.app.diagnose.options import DiagnoseOptions
+from harness.app.diagnose.together import repeated_results
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
+from harness.core.quantity import Quantity
 from harness.diagnosis.request import AskedCovariate
 from harness.kernels.solve import Drive, solve
 from harness.model.model import Model
@@ -129,3 +132,32 @@ def test_what_acts_beside_the_force_belongs_to_one_recording(driven: Done) -> No
     for options in (DiagnoseOptions(covariates=(AskedCovariate("P"),)), DiagnoseOptions(horizon=2.0)):
         with pytest.raises(InputError, match="--together: given with --"):
             diagnose_together(files, options)
+
+
+def test_a_series_is_told_as_a_trend_of_what_changes(tmp_path: Path) -> None:
+    """Damping in proportion to the density of the air, dry friction not; a row without a number says nothing."""
+    densities, random = [0.3, 0.6, 0.9, 1.2, 1.5], np.random.default_rng(2)
+    rows = "".join(f"air-{i}.csv,{rho},{20 + 2 * i % 5}\n" for i, rho in enumerate(densities))
+    (tmp_path / "days.csv").write_text(f"file,density [kg/m^3],temperature\n{rows}air-9.csv,,21\n")
+    table = read_conditions(tmp_path / "days.csv")
+    files = [f"runs/air-{i}.csv" for i in range(5)]
+    each = [
+        {
+            "c": Quantity(0.05 * rho + 1e-3 * random.standard_normal(), 1e-3, "N s/m"),
+            "f_k": Quantity(0.8 + 2e-3 * random.standard_normal(), 2e-3, "N"),
+        }
+        for rho in densities
+    ]
+    found = repeated_results(files, each, {"f_k": 0.01}, table)
+    density, temperature = found["c"].trends
+    assert density.differs
+    assert density.slope.unit == "N s/m per kg/m^3"
+    assert density.slope.value == pytest.approx(0.05, abs=4.0 * (density.slope.stderr or 0.0))
+    assert not temperature.differs
+    assert not any(trend.differs for trend in found["f_k"].trends)
+    assert found["f_k"].expanded == pytest.approx(2.0 * np.hypot(found["f_k"].value.stderr or 0.0, 0.01))
+
+
+def test_a_table_of_other_files_is_refused(released: Done) -> None:
+    with pytest.raises(InputError, match=r"decay-0\.csv"):
+        harness.diagnose(released[1], engines=(), conditions={"other.csv": {"density": 1.0}})

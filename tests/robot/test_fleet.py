@@ -9,16 +9,17 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 
-from harness.app.diagnose.fleet import read_conditions
+from harness.app.diagnose.conditions import read_conditions
 from harness.cli.main import run
 from harness.core.errors import InputError
 from harness.core.quantity import Quantity
+from harness.diagnosis.rules import CHANCE
 from harness.engines.models import folder
 from harness.results.fleet import FleetResult
 from harness.results.generate import schema_text
 from harness.robot.arm import load_arm
 from harness.robot.example import FRICTION, Friction, excited, write
-from harness.robot.fleet import CHANCE, Values, compared
+from harness.robot.fleet import Values, compared
 
 FILE = folder() / "arm" / "arm.xml"
 JOINTS, LOGS, ERROR = 7, 5, 0.01

@@ -1,24 +1,20 @@
 """Logs of one robot that were diagnosed each: their joints' friction compared."""
 
-import csv
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
+from harness.app.diagnose.conditions import Conditions, in_order
 from harness.app.shared.machine import this_machine
-from harness.core.bounded import MEBIBYTE, read_bytes
-from harness.core.errors import InputError
 from harness.core.quantity import Quantity
+from harness.diagnosis.rules import CHANCE
 from harness.results.common import P
 from harness.results.diagnosis import DiagnosisResult, RuleResult
 from harness.results.fleet import FleetLog, FleetResult, FleetRow
 from harness.results.robot import CurveResult
-from harness.robot.fleet import CHANCE, Compared, Values, compared, over_speed
+from harness.robot.fleet import Compared, Values, compared, over_speed
 
 COEFFICIENTS = {"f_k": "Coulomb friction", "c": "viscous friction"}
 """Of a joint whose logs have no speeds in common."""
-Conditions = Mapping[str, Mapping[str, float]]
-"""By the log's file name, numbers by name."""
-_FILE = "file"
 
 
 def fleet_of(
@@ -26,16 +22,14 @@ def fleet_of(
 ) -> FleetResult:
     """Compare; conditions : of some or all of the logs."""
     files = [answer.recording.file for answer in answers]
-    known = conditions or {}
-    names = list(dict.fromkeys(name for one in known.values() for name in one))
-    given = {name: [known.get(Path(file).name, {}).get(name) for file in files] for name in names}
+    given = in_order(conditions or {}, files)
     values, speeds = _values(answers)
     rows = [_row(one, files, speeds.get((one.joint, one.parameter))) for one in compared(values, given)]
     differing = [row.said for row in rows if row.differs or any(trend.differs for trend in row.trends)]
     none = f"In {len(files)} logs no joint's friction differs by more than its errors."
     return FleetResult(
         robot=str(robot.absolute()),
-        logs=[FleetLog(file=file, conditions={name: given[name][i] for name in names}) for i, file in enumerate(files)],
+        logs=[FleetLog(file=file, conditions={name: given[name][i] for name in given}) for i, file in enumerate(files)],
         rows=rows,
         statements=differing or [none],
         rules=[RuleResult.taken_from(CHANCE)],
@@ -90,33 +84,5 @@ def _row(one: Compared, files: Sequence[str], speed: float | None) -> FleetRow:
         said = [f"{what} differs between logs beyond its errors, by {share:.1%}, most in {apart}"]
     else:
         said = [f"{what} is {one.mean} in all"]
-    said += [f"it changes with {trend.name}: {trend.slope}" for trend in one.trends if trend.differs]
+    said += [trend.said for trend in one.trends if trend.differs]
     return FleetRow.taken_from(one, apart=files[one.apart], speed=speed, said=f"{'; '.join(said)}.")
-
-
-def read_conditions(path: Path) -> dict[str, dict[str, float]]:
-    """Conditions of logs from a CSV with a column ``file`` and numbers (temperature, day, hours run).
-
-    Raises InputError naming the file, and the line or column that is wrong.
-    """
-    try:
-        text = read_bytes(path, MEBIBYTE).decode()
-    except UnicodeDecodeError:
-        raise InputError(str(path), "no text", "a CSV with a column file") from None
-    rows = csv.DictReader(text.splitlines())
-    if _FILE not in (rows.fieldnames or ()):
-        found = f"columns {', '.join(rows.fieldnames or ()) or 'none'}"
-        raise InputError(str(path), found, "a CSV with a column file and others of numbers")
-    found_of: dict[str, dict[str, float]] = {}
-    for row in rows:
-        name = Path(row.pop(_FILE) or "").name
-        found_of[name] = {}
-        for column, value in row.items():
-            if column is None or value in (None, ""):
-                continue
-            try:
-                found_of[name][column] = float(str(value))
-            except ValueError:
-                where = f"{path}, line {rows.line_num}, column {column}"
-                raise InputError(where, repr(value), "a number, or nothing") from None
-    return found_of

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from harness.app.diagnose.fleet import fleet_of, read_conditions
+from harness.app.diagnose.conditions import read_conditions
+from harness.app.diagnose.fleet import fleet_of
 from harness.app.diagnose.one import FILES, deliver
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.result import STEPS

@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Literal, get_args
 
+from harness.app.diagnose.conditions import Conditions
 from harness.core.budget import USUAL
 from harness.core.checks import finite, positive
 from harness.core.errors import InputError
@@ -183,7 +184,7 @@ class DiagnoseOptions:
     recording that act on the slider. robot : whose joint's log the
     recording is. guarded : it is a robot's joint, whose fitted force does not count beside reversals.
     budget : s of a usual processor that trying laws may cost, None for the usual. servo : whose goals and positions the
-    recording is.
+    recording is. conditions : under which each of several recordings together was made.
 
     Raises InputError for a value that does not exist and for options that contradict each other.
     """
@@ -206,6 +207,7 @@ class DiagnoseOptions:
     guarded: bool = False
     budget: float | None = None
     servo: ServoOptions | None = None
+    conditions: Conditions = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name, unit in (("mass", "kg"), ("horizon", "s"), ("budget", "s"), ("dt", "s")):
@@ -319,6 +321,7 @@ class DiagnoseOptions:
             **({} if self.budget is None else {"budget_s": self.budget}),
             **({} if self.robot is None else {"robot": self.robot.settings()}),
             **({} if self.servo is None else {"servo": self.servo.settings()}),
+            **({"conditions": {file: dict(row) for file, row in self.conditions.items()}} if self.conditions else {}),
             **({"covariates": [_written(one) for one in self.covariates]} if self.covariates else {}),
         }
 

@@ -1,11 +1,15 @@
 """Several recordings of one machine as one: what they share, what each has of its own, and the physics left out."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 
 from harness.app.diagnose.attribution import Configured
+from harness.app.diagnose.conditions import Conditions, in_order
 from harness.app.diagnose.files import simulated
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.problem import prepared_together, validation
@@ -24,10 +28,15 @@ from harness.diagnosis.pooling.pooled import differences
 from harness.diagnosis.pooling.repeated import alone_under, parameters_of
 from harness.diagnosis.problems.forces_together import ForcesTogether
 from harness.diagnosis.problems.together import Together
+from harness.diagnosis.rules import CHANCE
 from harness.estimate.repeated import repeated
+from harness.estimate.trends import trends
 from harness.model.elsewhere import named
-from harness.results.common import P, RepeatedResult
+from harness.results.common import FleetTrend, P, RepeatedResult
 from harness.results.diagnosis import OwnResult
+
+COVERAGE = 2.0
+"""k of an expanded uncertainty: about 95 %, as laboratories report it (GUM)."""
 
 
 def own_results(recordings: Sequence[Recording], outcome: Outcome) -> list[OwnResult]:
@@ -77,23 +86,44 @@ def _of_starts(problem: Together | ForcesTogether) -> list[dict[str, float]]:
     return [{"x0": w.x_sd, "v0": w.v_sd} for w in firsts]
 
 
-def repeated_results(files: Sequence[str], each: Sequence[Mapping[str, Quantity]]) -> dict[str, RepeatedResult]:
-    """Every number by name that two recordings or more tell with an error; files and each in the same order."""
+def repeated_results(
+    files: Sequence[str],
+    each: Sequence[Mapping[str, Quantity]],
+    hidden: Mapping[str, float] = MappingProxyType({}),
+    conditions: Conditions = MappingProxyType({}),
+) -> dict[str, RepeatedResult]:
+    """Every number by name that two recordings or more tell with an error; files and each in the same order.
+
+    hidden : by name, what effects that could not be seen could shift it by. conditions : of the files.
+    """
+    told: dict[str, list[tuple[int, float, float, str]]] = {}
+    for i, one in enumerate(each):
+        for name, q in one.items():
+            if q.value is not None and q.stderr:
+                told.setdefault(name, []).append((i, q.value, q.stderr, q.unit))
+    told = {name: known for name, known in told.items() if len(known) > 1}
+    given = in_order(conditions, files)
+    level = CHANCE.value / max(len(told) * len(given), 1)
     found = {}
-    for name in dict.fromkeys(name for one in each for name in one):
-        told = [(file, one[name]) for file, one in zip(files, each, strict=True) if name in one]
-        known = [(f, q.value, q.stderr, q.unit) for f, q in told if q.value is not None and q.stderr is not None]
-        known = [one for one in known if one[2] > 0.0]
-        if len(known) < 2:
-            continue
-        seen = repeated([value for _, value, _, _ in known], [error for _, _, error, _ in known])
+    for name, known in told.items():
+        at, values, errors, units = (list(column) for column in zip(*known, strict=True))
+        seen, unit, systematic = repeated(values, errors), units[0], hidden.get(name)
+        here = {what: [all_of_it[i] for i in at] for what, all_of_it in given.items()}
         found[name] = RepeatedResult(
-            value=P(value=seen.value, stderr=seen.stderr, unit=known[0][3]),
+            value=P(value=seen.value, stderr=seen.stderr, unit=unit, systematic=systematic),
+            expanded=COVERAGE * math.hypot(seen.stderr, systematic or 0.0),
             within=seen.within,
             between=seen.between,
-            outliers=[known[i][0] for i in seen.outliers],
+            outliers=[files[at[i]] for i in seen.outliers],
+            trends=[FleetTrend.taken_from(t) for t in trends(here, np.array(values), np.array(errors), unit, level)],
         )
     return found
+
+
+def _hidden(outcome: Outcome) -> dict[str, float]:
+    """What effects that could not be seen could shift each number of the refined model by, by name."""
+    found = {name: q.systematic for name, q in outcome.refined_parameters.items()}
+    return {name: shift for name, shift in found.items() if shift is not None}
 
 
 def investigate_together(
@@ -104,6 +134,7 @@ def investigate_together(
     Raises InputError when they cannot be diagnosed together, with the reason; SimulationError.
     """
     _refuse_options(options)
+    _refuse_conditions(recordings, options.conditions)
     progress("base fit and search", 1, STEPS)
     recordings = [thinned(one) for one in recordings]
     ready = prepared_together(recordings, options)
@@ -113,11 +144,12 @@ def investigate_together(
         outcome = conclude(problem, seconds=options.seconds)
     progress("engines", 2, STEPS)
     assert outcome.pooled is not None
+    files = [one.file for one in recordings]
     each = alone_under(outcome.refined, problem, outcome.scales, outcome.pooled.compared.alone)
     more = {
         "recordings": [recording_info(one, alone.noise) for one, alone in zip(recordings, problem.alone, strict=True)],
         "own": own_results(recordings, outcome),
-        "together": repeated_results([one.file for one in recordings], [parameters_of(one) for one in each]),
+        "together": repeated_results(files, [parameters_of(one) for one in each], _hidden(outcome), options.conditions),
     }
     laid, other = _laid(recordings, problem, outcome), validation(recordings[0], options)
     result = result_of(laid, ready, outcome, options, Configured(), other, command, **more)
@@ -132,6 +164,15 @@ def _refuse_options(options: DiagnoseOptions) -> None:
             one = "recording, whose mismatch is divided" if name in ("model", "sim") else "driven recording"
             found = f"given with --{name.removesuffix('s')}"
             raise InputError("--together", found, f"it goes with one {one}")
+
+
+def _refuse_conditions(recordings: Sequence[Recording], conditions: Conditions) -> None:
+    """Raise InputError for a table that has no row of any recording."""
+    given = in_order(conditions, [one.file for one in recordings]).values()
+    if conditions and all(value is None for values in given for value in values):
+        found = f"rows of {', '.join(conditions)}, which are none of the recordings"
+        accepted = f"a row each of {', '.join(Path(one.file).name for one in recordings)}"
+        raise InputError("--conditions", found, accepted)
 
 
 def _laid(recordings: Sequence[Recording], problem: Together | ForcesTogether, outcome: Outcome) -> Recording:

@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -117,7 +118,7 @@ STANDARD_INPUT = "-"
     "--conditions",
     type=PATH,
     metavar="FILE",
-    help="Of logs of one robot: a CSV with a column file and numbers, such as temperature.",
+    help="Of logs of one robot, or of files --together: a CSV with a column file and numbers, such as temperature.",
 )
 @output_options
 def command(
@@ -151,6 +152,7 @@ def command(
                  --restoring pendulum
              harness diagnose from-20-mm.csv from-60-mm.csv --together
              harness diagnose empty.csv loaded.csv --together --restoring none
+             harness diagnose air-*.csv --together --conditions densities.csv
              harness diagnose north.csv south.csv --together --flip south.csv
              harness diagnose --before dry-1.csv dry-2.csv --after oiled-1.csv
              harness diagnose decay.csv --model slider.xml
@@ -194,8 +196,12 @@ def command(
         robot=RobotOptions.chosen(file, joint=joint, gravity=gravity, join=robot and reading["join"], **known),
         **chosen,
     )
-    with_robot = conditions if robot is None or not several else None
-    refuse("given", "it goes with several logs and --robot FILE", conditions=with_robot)
+    if conditions is not None and together:
+        from harness.app.diagnose.conditions import read_conditions
+
+        options = replace(options, conditions=read_conditions(conditions))
+    neither = conditions if not together and (robot is None or not several) else None
+    refuse("given", "it goes with --together, and with several logs and --robot FILE", conditions=neither)
     refuse("given with several logs", "it goes with one", join=(several and reading["join"]) or None)
     _refuse_beside(cluster, several, together, resume, jobs)
     if before:
