@@ -134,7 +134,7 @@ def motion(recording: Recording | File, *, restoring: str | None = None) -> Moti
 def compare(
     sim: Recording | File, real: Recording | File, *, shift: float | None = None, out: File | None = None
 ) -> CompareResult:
-    """Two traces of any origin: where they part, and in what way, before any model is fitted.
+    """Two traces of any origin: where they differ, and how, before any model is fitted.
 
     shift : s, added to the times of ``sim``; None to find it, 0 for one clock. out : folder for result, report and
     trace, as the command leaves them. Raises InputError when one cannot be read or the two have nothing in common,

@@ -212,11 +212,6 @@ def cell(value: Shown) -> Cell:
     return value if isinstance(value, Cell) else Cell(value if isinstance(value, str) else number(value))
 
 
-def or_nothing(tables: Sequence[Table]) -> list[Block]:
-    """The tables, or a sentence where there is none."""
-    return [*tables] or [Text("There is nothing to show.")]
-
-
 def lines(said: Sequence[str]) -> Cell:
     """Several values below one another."""
     return Cell(said[0], tuple(said[1:])) if said else Cell("-")

@@ -80,8 +80,8 @@ def thinned(figure: Figure, budget: int) -> list[Trace]:
 
 
 def is_plane(figure: Figure) -> bool:
-    """Whether its curves are orbits."""
-    return any("t" in trace or "now" in trace for trace in figure.traces)
+    """Whether its curves are orbits, or its points have errors: neither is drawn over time."""
+    return any("t" in trace or "now" in trace or "error_y" in trace for trace in figure.traces)
 
 
 def plain(name: str, x: Any, y: Any, color: str, width: float = 1.5, **more: Any) -> Trace:

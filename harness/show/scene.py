@@ -152,7 +152,8 @@ def of_result(
 
 def notes_of(heading: str, sentences: Sequence[str], before: str = "") -> str:
     """A page of Markdown: a heading, a paragraph ``before`` them where there is one, and sentences."""
-    return "\n".join([f"# {heading}", "", *([before, ""] if before else []), *(f"- {one}" for one in sentences)])
+    lines = [f"# {heading}", "", *([before, ""] if before else []), *(f"- {one}" for one in sentences)]
+    return "\n".join(lines).replace("+-", "\u00b1")
 
 
 def slug(name: str) -> str:

@@ -26,7 +26,7 @@ Left = Mapping[str, NDArray[np.float64]]
 """By joint: t, q, v, torque left by the base and by the model, and torque beyond the rigid model as the file has it and
 as it was corrected, (m, 7)."""
 BEFORE, AFTER = "#e4632d", "#2b7fd6"
-BEFORE_NAME, AFTER_NAME = "viscous and Coulomb", "with what is named"
+BEFORE_NAME, AFTER_NAME = "viscous and Coulomb", "with the terms found"
 LEFT, MOTION, HELD, SWING = "left", "motion", "held", "swing"
 """Of what a trace keeps under these names."""
 LIFTED, SPUN = "lifted", "spun"

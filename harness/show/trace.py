@@ -202,14 +202,27 @@ def _(view: Figure, recording: rr.RecordingStream) -> None:
 
 
 def _send_plane(view: Figure, curves: Sequence[tuple[str, Mapping[str, Any]]], recording: rr.RecordingStream) -> None:
-    """Curves of a plane, a point that moves along each, and axes; the viewer's 2D space points down."""
+    """Curves of a plane, a point that moves along each that has times, points with their errors, and axes; the viewer's
+    2D space points down.
+    """
     plane = plane_of(view)
+    upright = np.array([1.0, -plane.scale])
     for path, trace in curves:
-        color, name = _rgb(trace["line"]["color"]), trace["name"]
-        upright = np.array([1.0, -plane.scale])
-        strip = np.column_stack([trace["x"], trace["y"]]) * upright
-        width = _pixels(0.5 * trace["line"]["width"])
-        recording.log(f"{path}/curve", rr.LineStrips2D([strip], colors=[color], radii=width), static=True, strict=True)
+        name, corners = trace["name"], np.column_stack([trace["x"], trace["y"]]) * upright
+        if trace["mode"] == "markers":
+            color = _rgb(trace["marker"]["color"])
+            off = np.column_stack([np.zeros(len(corners)), trace["error_y"]["array"]]) * upright
+            errors = rr.LineStrips2D(np.stack([corners - off, corners + off], 1), colors=[color], radii=_pixels(0.5))
+            recording.log(f"{path}/errors", errors, static=True, strict=True)
+            points = rr.Points2D(corners, colors=[color], radii=_pixels(3.0), labels=[name], show_labels=False)
+            recording.log(f"{path}/points", points, static=True, strict=True)
+            continue
+        color, width = _rgb(trace["line"]["color"]), _pixels(0.5 * trace["line"]["width"])
+        gaps = np.flatnonzero(np.isnan(corners).any(axis=1))
+        strips = [strip[np.isfinite(strip).all(axis=1)] for strip in np.split(corners, gaps)]
+        recording.log(f"{path}/curve", rr.LineStrips2D(strips, colors=[color], radii=width), static=True, strict=True)
+        if "now" not in trace and "t" not in trace:
+            continue
         point = rr.Points2D.from_fields(colors=[color], radii=_pixels(4.0), labels=[name], show_labels=False)
         recording.log(f"{path}/now", point, static=True, strict=True)
         t, x, y = trace["now"] if "now" in trace else (trace["t"], trace["x"], trace["y"])
@@ -217,8 +230,8 @@ def _send_plane(view: Figure, curves: Sequence[tuple[str, Mapping[str, Any]]], r
         places = np.column_stack([np.interp(at, t, x), np.interp(at, t, y)]) * upright
         recording.send_columns(f"{path}/now", [_time(at)], rr.Points2D.columns(positions=places), strict=True)
     down, grey = np.array([1.0, -1.0]), _rgb("muted")
-    strips = [strip * down for strip in plane.strips]
-    lines = rr.LineStrips2D(strips, colors=[grey], radii=_pixels(0.5), draw_order=-10.0)
+    axes = [strip * down for strip in plane.strips]
+    lines = rr.LineStrips2D(axes, colors=[grey], radii=_pixels(0.5), draw_order=-10.0)
     recording.log(f"/{view.name}/axes/lines", lines, static=True, strict=True)
     text = rr.Points2D(plane.places * down, labels=plane.labels, radii=[0.0], colors=[grey], show_labels=True)
     recording.log(f"/{view.name}/axes/ticks", text, static=True, strict=True)

@@ -322,7 +322,7 @@ BAD = [
     (("coarse",), "1 traces; expected 2 to 10"),
     (("coarse", "coarse"), "given twice"),
     (("coarse", "nowhere"), "no such file"),
-    (("coarse", "swing"), "coarse slides, swing turns; traces of one kind of motion"),
+    (("coarse", "swing"), "coarse slides, swing turns; expected traces of one kind of motion"),
 ]
 
 

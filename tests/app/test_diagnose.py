@@ -163,7 +163,7 @@ def test_standard_input_is_read_as_a_file_and_called_by_its_own_name(tmp_path: P
         found = read_as("-", file, ReadOptions())
         assert found.file == "-"
         assert found.sha256 == read(path, ReadOptions()).sha256
-        with pytest.raises(InputError, match=r"^-: the columns t, x, a; "):
+        with pytest.raises(InputError, match=r"^-: the columns t, x, a. Try: "):
             read_as("-", file, ReadOptions("t=t,u=x"))
     assert not file.exists()
 

@@ -190,7 +190,7 @@ def position() -> Recording:
 REFUSED: list[tuple[list[Recording], str]] = [
     ([seen(AXIS, 0)], "drive-0.csv alone; expected two recordings of one machine or more"),
     ([seen(AXIS, 0), decay()], "drive-0.csv is driven and decay.csv a free decay; .*not both"),
-    ([position(), speed()], "position.csv has x, speed.csv has v; recordings with a channel in common"),
+    ([position(), speed()], "position.csv has x, speed.csv has v; expected recordings with a channel in common"),
     ([seen(AXIS, 0), replace(seen(AXIS, 1), angular=True)], "drive-1.csv turns, drive-0.csv slides"),
     ([seen(AXIS, 1), resting()], "a slider that does not move beyond its noise"),
 ]

@@ -195,7 +195,10 @@ def later() -> Recording:
 
 REFUSED: list[tuple[list[Recording], str]] = [
     ([seen(BASE, 0.1, 0.0, 1e-4, 1)], "from-100-mm.csv alone; expected two recordings of one machine or more"),
-    ([seen(BASE, 0.1, 0.0, 1e-4, 1), driven()], "driven.csv is driven and from-100-mm.csv a free decay; free decays"),
+    (
+        [seen(BASE, 0.1, 0.0, 1e-4, 1), driven()],
+        "driven.csv is driven and from-100-mm.csv a free decay; expected free decays",
+    ),
     ([seen(BASE, 0.1, 0.0, 1e-4, 1), speed_alone()], "with a channel in common"),
     ([seen(BASE, 0.1, 0.0, 1e-4, 1), replace(seen(BASE, 0.1, 0.0, 1e-4, 2), angular=True)], "turns"),
     ([seen(BASE, 0.1, 0.0, 1e-4, 1), later()], "from-100-mm.csv and later.csv hold the same motion, sample for sample"),

@@ -233,5 +233,5 @@ def test_what_is_no_engine_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_without_any_engine_the_message_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
     nothing: tuple[Any, ...] = ()
     monkeypatch.setattr(registry, "entry_points", lambda group: nothing)
-    with pytest.raises(InputError, match="none is registered: install the package"):
+    with pytest.raises(InputError, match="an installed package that registers engines"):
         registry.load("mujoco")

@@ -44,7 +44,7 @@ BAD: list[tuple[str, str]] = [
     ("x=2", "names no column"),
     ("x=0*a", "multiplies by 0"),
     ("x=1e999*a", "multiplies by inf"),
-    ("x", "--columns: 'x'; CHANNEL=PRODUCT[UNIT]"),
+    ("x", "--columns: 'x'; expected CHANNEL=PRODUCT[UNIT]"),
     ("", "--columns: ''"),
     ("x=a,", "--columns: ''"),
     ("y=a", "unknown channel 'y'"),

@@ -203,7 +203,7 @@ def test_a_place_that_cannot_be_passed_costs_few_steps() -> None:
 BAD = [
     (lambda: solve(model(), np.array([])), r"simulation: t: an array of shape \(0,\); expected a vector"),
     (lambda: solve(model(), np.array([0.0, np.nan])), "simulation: t, row 2: nan; expected a finite number"),
-    (lambda: solve(model(), np.array([1.0, 0.5])), "time 0.5 s comes before 1 s; times that do not decrease"),
+    (lambda: solve(model(), np.array([1.0, 0.5])), "time 0.5 s comes before 1 s; expected times that do not decrease"),
     (
         lambda: solve(model(), np.array([1.0]), ("bogus",)),
         "'bogus' is no parameter of the model; expected one of x0, v0",

@@ -121,7 +121,9 @@ def test_a_dispatch_written_for_other_terms_is_refused() -> None:
         ([*keys, "mine"], "written with mine"),
         (keys[::-1], "written in another order"),
     ):
-        with pytest.raises(InputError, match=rf"dispatch.py: {found}; what python -m harness.kernels.generate writes"):
+        with pytest.raises(
+            InputError, match=rf"dispatch.py: {found}; expected what python -m harness.kernels.generate writes"
+        ):
             laws(SMOOTH, *written)
     assert laws(()) == ()
 

@@ -242,7 +242,7 @@ BAD = [
     (_log(shoulder=0.5), "elbow", "'elbow', whose position log.csv does not hold.*of the log: shoulder"),
     (_log(lift=0.5, wrist=0.1), "shoulder", "joints lift, wrist, and .* has base, shoulder, elbow"),
     (_log(shoulder=0.5), "sholder", "did you mean shoulder"),
-    (_log(shoulder=math.degrees(0.8)), "shoulder", "this looks like degrees"),
+    (_log(shoulder=math.degrees(0.8)), "shoulder", "as in degrees"),
 ]
 
 

@@ -248,7 +248,7 @@ def test_an_attached_model_is_as_if_it_stood_there(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("part", "said"),
     [
-        ('<origin xyz="0 0" rpy="0 0 0"/>', 'joint elbow: xyz="0 0" in its <origin>; three numbers'),
+        ('<origin xyz="0 0" rpy="0 0 0"/>', 'joint elbow: xyz="0 0" in its <origin>; expected three numbers'),
         ('<origin xyz="0 0 0" rpy="0 $(yaw) 0"/>', "joint elbow: rpy="),
         ('<axis xyz="0 1 0"/><axis xyz="0 0 1"/>', "joint elbow: several <axis>; expected one"),
     ],

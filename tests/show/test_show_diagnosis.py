@@ -24,6 +24,7 @@ from harness.results.diagnosis import (
     PredictionResult,
     RemainderResult,
     RuleResult,
+    SeenLawResult,
     SurfaceResult,
     TableResult,
     UnreadRecording,
@@ -88,9 +89,16 @@ def test_the_verdict_comes_first_and_nothing_of_a_file_becomes_markup(case: Case
 
 
 def test_the_trace_holds_recording_and_simulations_bit_for_bit(case: Case, tmp_path: Path) -> None:
-    result, recording, simulated = case
+    _, recording, simulated = case
+    law = SeenLawResult(
+        names=["end-stop"], over="x", level=False, at=[-0.02, 0.0, 0.02], at_unit="m", seen=[0.1, 0.0, -0.1],
+        stderr=[0.01, 0.01, 0.02], fitted=[0.1, 0.0, -0.1], base=[0.0, 0.0, 0.0], force_unit="N",
+    )  # fmt: skip
+    result = case[0].model_copy(update={"laws": [law]})
     write_trace(tmp_path / "trace.rrd", diagnosis_scene(result, recording, simulated))
     stored = read_trace(tmp_path / "trace.rrd")
+    names = [view.name for view in diagnosis_scene(result, recording, simulated).views]
+    assert names.index("law-0") == names.index("verdict") + 1
     assert stored.properties["result"] == result.model_dump(mode="json", by_alias=True)
     np.testing.assert_array_equal(stored.recordings[0]["x"], recording["x"])
     for stored_one, made in zip(stored.trajectories, simulated, strict=True):

@@ -148,8 +148,8 @@ def _foreign(path: Path) -> None:
     [
         (lambda path, whole: None, "no such file"),
         (lambda path, whole: path.write_text("t,x\n0,1\n"), "cannot be read"),
-        (lambda path, whole: path.write_bytes(b""), "accepted"),
-        (_cut_short, "accepted"),
+        (lambda path, whole: path.write_bytes(b""), "expected a whole"),
+        (_cut_short, "expected a whole"),
         (lambda path, whole: _foreign(path), "holds no trajectory of this program"),
     ],
 )

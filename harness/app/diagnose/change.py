@@ -31,11 +31,12 @@ from harness.results.common import P
 from harness.show.report.change import change_page
 
 STEPS = 4
+NEW = P.of(Quantity.refused("1", "there was none to be seen before"))
 _SEEN = 3.0
 """Standard errors from which there was something of a number before."""
 _OPTIONS = ("model", "sim", "horizon", "covariates", "robot", "validate")
 ONE_EACH = (
-    "One recording a condition: by how much repeats differ is assumed (1 %, a spring .3 %); two or more of each say it."
+    "One recording per condition: repeats are taken to differ by 1 % (a spring by 0.3 %); two of each measure it."
 )
 
 
@@ -169,7 +170,7 @@ def _numbers(compared: Compared) -> list[ChangedNumber]:
                 said=one.said,
                 before=P.of(values[0]),
                 after=P.of(values[1]),
-                ratio=_ratio(compared, one.name),
+                ratio=_ratio(compared, one.name) if _seen(found.before[i]) else NEW,
                 changed=one.name in found.directions,
                 repeats=float(found.between[i]),
             )
@@ -178,6 +179,12 @@ def _numbers(compared: Compared) -> list[ChangedNumber]:
         inertia = ChangedNumber(name=INERTIA, said=INERTIA, ratio=_ratio(compared, INERTIA), changed=moved)
         rows.append(inertia)
     return rows
+
+
+def _seen(number: tuple[float, float]) -> bool:
+    """Whether a value with its standard error is anything but 0."""
+    value, error = number
+    return abs(value) >= _SEEN * error
 
 
 def _ratio(compared: Compared, name: str) -> P:
@@ -212,9 +219,9 @@ def _changed(name: str, one: Number | None, compared: Compared) -> str:
     if one is not None:
         i = compared.numbers.index(one)
         (was, error), (now, spread) = compared.found.before[i], compared.found.after[i]
-        if abs(was) < _SEEN * error:
+        if not _seen((was, error)):
             return f"{one.said} is {Quantity(float(now), float(spread), one.unit)}, where there was none to be seen"
-        if abs(now) < _SEEN * spread:
+        if not _seen((now, spread)):
             return f"{one.said} is gone: it was {Quantity(float(was), float(error), one.unit)}"
     times = Quantity(ratio.value, ratio.stderr, "1", ratio.why)
     return f"{INERTIA if one is None else one.said} is {times} times what it was"

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from harness.results.compare import CompareResult
 
 
-@click.command(short_help="Two traces of any origin: where they part, and in what way.")
+@click.command(short_help="Two traces of any origin: where they differ, and how.")
 @click.argument("sim", type=PATH)
 @click.argument("real", type=PATH)
 @reading_options

@@ -8,7 +8,7 @@ from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
 from harness.results.compare import CompareResult, Event, Reading
 from harness.show import scene as s
-from harness.show.blocks import Cell, Column, Figure, Page, Row, Section, Table, or_nothing, tabulated, verdict
+from harness.show.blocks import Cell, Column, Figure, Page, Row, Section, Table, tabulated, verdict
 from harness.show.numbers import NONE, SHOWN, number, sentence_quantity, shown_value
 from harness.show.plots import ANGLES, CHANNELS, GROUP, axes, curve, orbit, per, shades
 from harness.show.report.page import made_with
@@ -40,8 +40,8 @@ def compare_page(result: CompareResult, shown: Shown) -> Page:
     assert result.machine is not None
     sections = [
         verdict(compare_headline(result), result.sentences, tuple(result.traces)),
-        _readings(result),
         Section("The two traces, and their difference", channel_figures(shown, result)),
+        _readings(result),
         Section("Phase portrait", [phase_figure(shown)]),
         _events(result),
         _places(result),
@@ -90,7 +90,7 @@ def _readings(result: CompareResult) -> Section:
     ]
     fits = [f"{value:.1f} % of {c}" for c, value in result.fit_percent.items()]
     columns = [Column(name, str) for name in result.traces]
-    columns.append(Column("apart", str, "", "in standard errors of the difference"))
+    columns.append(Column("difference", str, "in standard errors"))
     notes = dict.fromkeys(
         f"{name}, {what}: {p.why}"
         for name, one in result.traces.items()
@@ -114,10 +114,12 @@ def channel_figures(shown: Shown, result: CompareResult) -> list[Figure]:
             curve(names[0], shown.t, first * factor, FIRST, unit, 1.4),
         ]
         below = [curve(apart, shown.t, (second - first) * factor, _APART, unit, 1.4)]
-        caption = f"{apart}, in {unit}." + " The shaded stretches hold the mismatch." * bool(shaded)
+        caption = f"{name.capitalize()}: {apart}, in {unit}." + " The shaded stretches hold the mismatch." * bool(
+            shaded
+        )
         for what, traces, label, said, height in (
             ("compare", both, name, "", 340),
-            ("difference", below, f"difference of {name}", caption, 240),
+            ("difference", below, "difference", caption, 240),
         ):
             looks = {"hovermode": "closest", "shapes": shaded, "showlegend": True}
             layout = axes("time / s", f"{label} / {per(unit)}", **looks)
@@ -152,7 +154,7 @@ def _events(result: CompareResult) -> Section:
     readings: list[Reading] = list(result.traces.values())
     most, unit = max(len(one.events) for one in readings), readings[0].rest.unit
     if not most:
-        return Section("Events", or_nothing([]))
+        return Section("Events", [])
 
     def cells(i: int) -> list[Cell]:
         return [c for one in readings for c in _event(one.events[i] if i < len(one.events) else None, unit)]
@@ -173,7 +175,7 @@ def _event(event: Event | None, unit: str) -> list[Cell]:
 
 
 def _places(result: CompareResult) -> Section:
-    """Where they part, and whether the channels of each trace agree with one another."""
+    """Where they differ, and whether the channels of each trace agree with one another."""
     tables = []
     if result.where:
         columns = [
@@ -202,4 +204,4 @@ def _places(result: CompareResult) -> Section:
         ]
         caption = "What one channel of a trace says of another, from the data alone, with one standard error."
         tables.append(tabulated("channels", columns, pairs, lambda one: one[0], caption=caption))
-    return Section("Where they part", or_nothing(tables))
+    return Section("Where they differ", tables)

@@ -64,7 +64,7 @@ def diagnosis_page(
     """
     seen, told = Curves(recording, simulated, result), result.attribution
     sections = [
-        b.verdict(result.statement.replace("+-", "\u00b1"), gained(result), heading="Verdict"),
+        b.verdict(result.statement, gained(result), heading="Verdict"),
         *([] if robot is None else joint_beside(result, robot)),
         seen.residual_section(),
         *([law_section(result)] if result.laws else []),
@@ -346,7 +346,7 @@ def _evidence(result: DiagnosisResult) -> b.Section:
     """How likely each name is, and what speaks for it."""
     blocks: list[b.Block] = [probabilities(result)] if len(result.posterior) > 1 else []
     if result.mechanisms:
-        blocks += [] if result.laws else [statements(result)]
+        blocks += [] if result.laws else statements(result)
         asked: list[tuple[str, Callable[[MechanismResult], b.Shown]]] = [
             ("grade", lambda one: _GRADES[one.grade]),
             ("probability", lambda one: number(one.probability, 2)),

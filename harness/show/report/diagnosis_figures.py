@@ -158,7 +158,7 @@ class Curves:
     def over_time(self) -> list[Figure]:
         """Every channel as recorded and as both models have it."""
         t, own, figures = self.along, yours(self.simulated), []
-        caption = "Shaded: where simulation and recording part. Dotted: reversals of the better model."
+        caption = "Shaded: where simulation and recording differ. Dotted: reversals of the better model."
         if not shaded_spans(self.result):
             caption = "Fits that look alike here differ below: what counts is the residual against the noise."
         for c in self.channels:
@@ -202,7 +202,9 @@ class Curves:
         (place, unit, factor), (speed, by, _), best = self.words("x"), self.words("v"), self.best
         line = curve(self.models[-1][0] if len(self.models) > 1 else "simulation", best.t, best.v, AFTER)
         layout = axes(f"{place} / {unit}", f"{speed} / ({by})")
-        return Figure("motion", [orbit(line, best.t, best.x * factor, best.v)], layout, around=self.times)
+        moves = self.free
+        traces = [orbit(line, best.t[moves], best.x[moves] * factor, best.v[moves])]
+        return Figure("motion", traces, layout, around=self.times)
 
     def phase_plane(self, places: Sequence[str]) -> Section:
         """The residual where it happens: along the motion in the plane of position and speed, before and after.

@@ -1,6 +1,7 @@
-"""The scene of a diagnosis: recording and both simulations, residuals, and where they part as a lane of states."""
+"""The scene of a diagnosis: recording and both simulations, residuals, and where they differ as a lane of states."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -9,8 +10,10 @@ from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.results.diagnosis import DiagnosisResult
 from harness.show import scene as s
+from harness.show.blocks import Figure
 from harness.show.report.diagnosis import gained, said, to_change
 from harness.show.report.diagnosis_figures import BEFORE, Curves, shaded_spans
+from harness.show.report.law import law_figures
 from harness.show.report.robot_scene import robot_view, torque_tabs
 from harness.show.stored import Shown, parts_of
 
@@ -39,25 +42,32 @@ def diagnosis_scene(
     """Scene of a diagnosis; arguments as of diagnosis_page."""
     notes = _notes(result)
     seen = Curves(recording, simulated, result)
-    curves, rests = seen.over_time(), seen.residuals()
+    curves, rests = seen.over_time(), [_from(recording.t[0], figure) for figure in seen.residuals()]
     lanes = list[s.Layout]()
     if spans := shaded_spans(result):
-        looks = {_APART: ("they part", BEFORE), _ELSEWHERE: ("elsewhere", "#3a414b")}
+        looks = {_APART: ("they differ", BEFORE), _ELSEWHERE: ("elsewhere", "#3a414b")}
         states = lane(spans, float(recording.t[0]), float(recording.t[-1]))
-        lanes.append(s.Lanes("where they part", [s.Lane("where", *states, looks)]))
+        lanes.append(s.Lanes("where they differ", [s.Lane("where", *states, looks)]))
     shares = [*[1.4] * len(rests), *[0.5] * len(lanes), *[2.0] * len(curves)]
     verdict = s.Words("verdict", notes)
     plane = [] if recording.steady else [seen.orbit()]
-    side: list[s.Layout] = [verdict, *plane]
+    laws = law_figures(result)
+    side: list[s.Layout] = [verdict, *([s.Tabs(laws)] if len(laws) > 1 else laws), *plane]
     if robot is not None:
         side = [
             *([robot_view(robot.bodies)] if robot.bodies else []),
-            s.Tabs([verdict, *torque_tabs(result, robot), *plane]),
+            s.Tabs([verdict, *laws, *torque_tabs(result, robot), *plane]),
         ]
     name = f"diagnosis of {recording.file.rpartition('/')[2]}"
     layout = s.Columns([s.Rows([*rests, *lanes, *curves], shares), s.Rows(side)], [3.0, 2.0])
     parts: dict[str, Sequence[Trajectory | Recording]] = {"trajectory": simulated, "recording": [recording]}
     return s.of_result(name, layout, result, notes, parts | ({} if robot is None else parts_of(robot)))
+
+
+def _from(start: float, figure: Figure) -> Figure:
+    """The figure from an earlier time on, s, so that its axis shows the same time as the others."""
+    earlier = [{**one, "x": np.append(start, one["x"]), "y": np.append(np.nan, one["y"])} for one in figure.traces]
+    return replace(figure, traces=earlier)
 
 
 def _notes(result: DiagnosisResult) -> str:

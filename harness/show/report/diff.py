@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from harness.fidelity.compare import is_regression
 from harness.results.sweep import DiffResult, DiffSide, Moved
-from harness.show.blocks import Cell, Column, Page, Section, or_nothing, tabulated, verdict
+from harness.show.blocks import Cell, Column, Page, Section, tabulated, verdict
 from harness.show.numbers import number
 from harness.show.report.page import made_with
 
@@ -90,7 +90,7 @@ def diff_page(result: DiffResult) -> Page:
     said += [f"No row has a name that the pattern {text} means." for text in result.unused]
     sections = [
         verdict(result.statement, said),
-        Section("What moved, what is new, what was skipped", or_nothing([table] if table.rows else [])),
+        Section("What moved, what is new, what was skipped", [table] if table.rows else []),
         made_with(result.machine, result.files, ""),
     ]
     title = f"From {side_name(result.before)} to {side_name(result.after)}"

@@ -23,12 +23,18 @@ _LEVEL = "level of dry friction"
 
 def law_section(result: DiagnosisResult) -> Section:
     """A plot for each thing that the laws depend on, and what each law says."""
-    return Section("The law", [*(_figure(i, law, result) for i, law in enumerate(result.laws)), statements(result)])
+    return Section("The law", [*law_figures(result), *statements(result)])
 
 
-def statements(result: DiagnosisResult) -> Items:
-    """What each law says."""
-    return Items([one.statement.replace("+-", "\u00b1") for one in result.mechanisms])
+def statements(result: DiagnosisResult) -> list[Items]:
+    """What each law says, where the verdict does not."""
+    said = [one.statement for one in result.mechanisms if one.statement not in result.statement]
+    return [Items(said)] if said else []
+
+
+def law_figures(result: DiagnosisResult) -> list[Figure]:
+    """A plot for each thing that the laws depend on."""
+    return [_figure(i, law, result) for i, law in enumerate(result.laws)]
 
 
 def _figure(number: int, law: SeenLawResult, result: DiagnosisResult) -> Figure:

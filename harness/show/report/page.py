@@ -50,13 +50,13 @@ _SYMBOL = re.compile(r"\b(?:(omega|Omega|sigma|zeta|beta)(?:_(\w+))?|([xfvckmaXF
 
 
 def symbols(text: str) -> Markup:
-    """Sentences with x_k, omega_n and the like set as people print them."""
+    """Sentences with x_k, omega_n, +- and the like set as people print them."""
 
     def one(found: re.Match[str]) -> str:
         base, index = _GREEK.get(found[1], found[3]), found[2] or found[4]
         return f"{base}<sub>{index}</sub>" if index else base
 
-    return Markup(_SYMBOL.sub(one, str(escape(text))))
+    return Markup(_SYMBOL.sub(one, str(escape(text)).replace("+-", "\u00b1")))
 
 
 def _vendored(name: str) -> Markup:
@@ -133,7 +133,7 @@ def render(page: Page) -> str:
     drawn = environment.get_template("blocks.html.j2").module.draw  # type: ignore[attr-defined]
     parts = [
         {"id": f"section-{index}", "title": section.title, "body": drawn(section.blocks, register)}
-        for index, section in enumerate(page.sections)
+        for index, section in enumerate(section for section in page.sections if section.blocks)
     ]
     return environment.get_template("page.html.j2").render(
         title=page.title,

@@ -199,7 +199,7 @@ def _missed(cases: Sequence[ProofCase]) -> b.Section:
         tables.append(
             b.tabulated("hidden", columns, shown, _hidden, lambda case: case.name, caption=caption, title=title)
         )
-    return b.Section("What was not answered right", b.or_nothing(tables))
+    return b.Section("What was not answered right", tables)
 
 
 def _recorded(case: ProofCase) -> str:

@@ -43,24 +43,24 @@ def arm_page(result: DiagnosisResult, shown: Shown) -> b.Page:
     """Friction of an arm's joints, and the torque that is left."""
     robot = _robot_of(result)
     assert robot.arm is not None
-    said = result.statement.replace("+-", "\u00b1")
-    table, named = _joints(robot.arm.joints, robot.joint), _found(robot.arm.found)
+    said = result.statement
+    table, named = _joints(robot.arm.joints, robot.joint), [_found(robot.arm.found)] if robot.arm.found else []
     if any(one.joint == robot.joint for one in robot.arm.joints):
         over_speed, engines, *more = joint_beside(result, shown)
-        sections = [b.verdict(said, result.warnings), over_speed, engines, table, named, *more]
+        sections = [b.verdict(said, result.warnings), over_speed, engines, table, *named, *more]
         title = f"Friction of {robot.joint}"
     else:
         curved = [one for one in robot.arm.joints if one.curve is not None]
         own = Shown({name: rows[:: len(curved)] for name, rows in shown.left.items()}, shown.motions)
         curves = [_curve(one.joint, one.curve, own.left) for one in curved]
         each = [*(one.statement for one in robot.arm.joints), *(one.statement for one in robot.arm.found)]
-        each = [line.replace("+-", "\u00b1") for line in (*each, *result.warnings)]
+        each = [*each, *result.warnings]
         sections = [
             b.verdict(f"Friction of {len(curved)} joints of an arm that moves as a whole.", each),
             table,
             *curves,
         ]
-        sections += [*_of_models(result, own, "rad"), named, *_told(result)]
+        sections += [*_of_models(result, own, "rad"), *named, *_told(result)]
         title = "Friction of every joint"
     return b.Page(title, result.recording.file, [*sections, made_with(result.machine, result.files, result.command)])
 
@@ -113,7 +113,7 @@ def _curve(joint: str, found: CurveResult | None, left: Left) -> b.Section:
     """Torque minus the rigid model over speed, before and after, with the curve; its laws, and what it changes with."""
     heading = f"Friction of {joint} over its speed"
     if found is None or joint not in left:
-        return b.Section(heading, b.or_nothing([]))
+        return b.Section(heading, [])
     place = moved_in(found.unit)
     rows = left[joint][:: max(1, -(-left[joint].shape[0] // _POINTS))]
     traces = [
@@ -156,12 +156,12 @@ def _curve(joint: str, found: CurveResult | None, left: Left) -> b.Section:
             for one in found.changes
         ),
     ]
-    said = b.Items(laws, "Laws that may say it"), b.Items(beside, "At its zero, and with what else it changes")
+    said = b.Items(laws, "Candidate laws"), b.Items(beside, "At its zero, and with what else it changes")
     return b.Section(heading, [figure, *said])
 
 
 def _said(p: P) -> str:
-    return str(Quantity(p.value, p.stderr, p.unit, why=p.why)).replace("+-", "\u00b1")
+    return str(Quantity(p.value, p.stderr, p.unit, why=p.why))
 
 
 def _torque(joint: str, left: Left, unit: str) -> b.Section:
@@ -182,9 +182,9 @@ def _torque(joint: str, left: Left, unit: str) -> b.Section:
             )
             for of, column, color in ((BEFORE_NAME, 3, BEFORE), (AFTER_NAME, 4, AFTER))
         ]
-        layout = axes(f"{name} / {per(along)}", f"torque left / ({unit})", showlegend=True)
+        layout = axes(f"{name} / {per(along)}", f"residual torque / ({unit})", showlegend=True)
         figures.append(b.Figure(f"left-{name}", traces, layout, said))
-    return b.Section(f"Torque that is left of {joint}", figures if joint in left else [])
+    return b.Section(f"Residual torque of {joint}", figures if joint in left else [])
 
 
 def _in_engines(joint: str, simulated: Sequence[SimulatedResult], motions: Sequence[Motion], place: str) -> b.Section:
@@ -244,7 +244,7 @@ def _identifiable(found: Sequence[IdentifiableResult]) -> b.Section:
         b.Column("why", lambda one: b.Cell(one.why or "-", (one.mend,) if one.mend else ())),
     ]
     table = b.tabulated("joint", columns, found, lambda one: f"{one.joint}, {one.parameter}")
-    return b.Section("What the motion can tell", [table])
+    return b.Section("Identifiable parameters", [table])
 
 
 def _matches(match: Sequence[MatchResult]) -> b.Section:
@@ -256,7 +256,7 @@ def _matches(match: Sequence[MatchResult]) -> b.Section:
         b.Column("what looks wrong", lambda one: b.Cell(one.suspicion or "-", (one.option,) if one.option else ())),
     ]
     tables = [b.tabulated("joint", columns, match, lambda one: one.joint)] if match else []
-    return b.Section("The log against its model", b.or_nothing(tables))
+    return b.Section("The log against its model", tables)
 
 
 def to_paste(paste: PasteResult, left_out: Sequence[str] = ()) -> b.Section:
@@ -281,7 +281,7 @@ def to_paste(paste: PasteResult, left_out: Sequence[str] = ()) -> b.Section:
         if text
     ]
     blocks += [b.Folded("For other engines and a controller", others)] if others else []
-    blocks += [b.Items(left_out, "What these formats have no word for")] if left_out else []
+    blocks += [b.Items(left_out, "What these formats cannot express")] if left_out else []
     return b.Section("What to paste into the model", blocks)
 
 
@@ -301,7 +301,7 @@ def _joints(joints: Sequence[JointResult], first: str) -> b.Section:
         ),
     ]
     table = b.tabulated(
-        "joint", columns, joints, lambda one: one.joint, lambda one: "asked for" if one.joint == first else ""
+        "joint", columns, joints, lambda one: one.joint, lambda one: "--joint" if one.joint == first else ""
     )
     return b.Section("Friction of every joint", [table])
 
@@ -322,8 +322,7 @@ def _found(found: Sequence[EntryResult]) -> b.Section:
         b.Column("explains", lambda one: f"{100.0 * one.share:.0f}", "%"),
         b.Column("evidence", lambda one: number(one.evidence, 3)),
     ]
-    tables = [b.tabulated("name", columns, found, lambda one: one.name)] if found else []
-    return b.Section("What is named beside it", b.or_nothing(tables))
+    return b.Section("Further effects", [b.tabulated("name", columns, found, lambda one: one.name)])
 
 
 def joint_page(result: JointRunResult, held: Sequence[Trajectory], swings: Sequence[Trajectory]) -> b.Page:
@@ -403,7 +402,7 @@ def _or_none(value: float | None, times: float = 1.0) -> str:
 
 def fleet_sections(fleet: FleetResult) -> list[b.Section]:
     """What logs of one robot say together: which joint's friction is not the same in all."""
-    first, *more = (said.replace("+-", "\u00b1") for said in fleet.statements)
+    first, *more = fleet.statements
     logs = [PurePath(log.file).name for log in fleet.logs]
     trends = dict.fromkeys(t.name for row in fleet.rows for t in row.trends)
     columns = [

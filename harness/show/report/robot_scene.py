@@ -57,7 +57,7 @@ def _box(bodies: Bodies) -> tuple[FloatArray, FloatArray]:
 
 
 def torque_tabs(result: DiagnosisResult, shown: Shown) -> list[s.Layout]:
-    """Torque that is left of each joint over time, speed and position, before and after; a tab a joint, that asked
+    """Residual torque of each joint over time, speed and position, before and after; a tab a joint, that asked
     for first; then the engines against the log."""
     robot = result.robot
     assert robot is not None
@@ -68,7 +68,7 @@ def torque_tabs(result: DiagnosisResult, shown: Shown) -> list[s.Layout]:
     tabs: list[s.Layout] = []
     for name in sorted(shown.left, key=lambda one: one != robot.joint):
         rows, unit, own = shown.left[name], units[name], f"left-{s.slug(name)}"
-        label = f"{name}: torque left / ({unit})"
+        label = f"{name}: residual torque / ({unit})"
         traces = [
             dots(of, rows[:, 0], rows[:, k], {"color": color}, "")
             for of, k, color in ((BEFORE_NAME, 3, BEFORE), (AFTER_NAME, 4, AFTER))
@@ -85,7 +85,7 @@ def torque_tabs(result: DiagnosisResult, shown: Shown) -> list[s.Layout]:
 
 
 def _plane(name: str, rows: FloatArray, column: int, layout: dict[str, object]) -> Figure:
-    """Means of the torque left over speed or position, and a point that moves with the log."""
+    """Means of the residual torque over speed or position, and a point that moves with the log."""
     means, traces = binned(rows, column), []
     for of, k, color in ((BEFORE_NAME, 3, BEFORE), (AFTER_NAME, 4, AFTER)):
         now = rows[:, 0], rows[:, column], np.interp(rows[:, column], means[:, column], means[:, k])

@@ -28,12 +28,12 @@ def servo_page(result: DiagnosisResult, runs: Runs, engines: Sequence[tuple[str,
     assert robot.servo is not None
     servo = robot.servo
     sections = [
-        b.verdict(result.statement.replace("+-", "\u00b1"), result.warnings),
+        b.verdict(result.statement, result.warnings),
         _free_runs(servo, runs, engines),
-        _terms(servo),
+        *([_terms(servo)] if servo.terms else []),
         _numbers(servo),
         *([_engines(robot)] if robot.simulated else []),
-        b.verdict("", servo.confounded, heading="What goal and position cannot part"),
+        b.verdict("", servo.confounded, heading="What goal and position cannot separate"),
         to_paste(robot.paste, result.model_left_out),
         *([_bam(servo)] if servo.bam else []),
         b.verdict("", servo.understood, heading="What was read"),
@@ -70,7 +70,8 @@ def _free_runs(servo: ServoResult, runs: Runs, engines: Sequence[tuple[str, Floa
     def of(one: ServoErrorResult) -> str:
         return one.of if one in servo.fitted else f"held out: {one.of}"
 
-    return b.Section("Free runs", [b.tabulated("log", columns, errors, of, caption=caption), *figures])
+    table = b.tabulated("log", columns, errors, of, caption=caption)
+    return b.Section("Free runs", [*([table] if len(errors) > 1 else []), *figures])
 
 
 def _terms(servo: ServoResult) -> b.Section:
@@ -82,7 +83,7 @@ def _terms(servo: ServoResult) -> b.Section:
         b.Column("not ruled out in its place", lambda one: ", ".join(one.rivals) or None),
     ]
     blocks: list[b.Block] = [b.tabulated("term", columns, servo.terms, lambda one: one.name)]
-    return b.Section("What the log asks for", blocks if servo.terms else [b.Text("Nothing besides.")])
+    return b.Section("Further effects", blocks)
 
 
 def _held(pair: Sequence[float], at: int) -> str | None:
@@ -100,7 +101,8 @@ def _numbers(servo: ServoResult) -> b.Section:
         b.Column("Coulomb alone", lambda name: size(servo.base.get(name))),
         b.Column("with the terms found", lambda name: size(servo.parameters[name])),
         b.Column(
-            "told", lambda name: b.Cell(told[name].verdict, told[name].why.split("; ")) if name in told else "given"
+            "identifiable",
+            lambda name: b.Cell(told[name].verdict, told[name].why.split("; ")) if name in told else "given",
         ),
     ]
     return b.Section("Numbers", [b.tabulated("number", columns, names, str)])

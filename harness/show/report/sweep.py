@@ -150,7 +150,7 @@ def _scorecard(scored: Sequence[Card], engines: _Engines) -> b.Section:
             )
             tables.append(b.Folded(f"{title}: {group}", [table]))
             notes = []
-    return b.Section("Scorecard", [b.Text(caption, "table-caption"), *tables] if tables else b.or_nothing([]))
+    return b.Section("Scorecard", [b.Text(caption, "table-caption"), *tables] if tables else [])
 
 
 def _scored(card: Card, figure: Figure) -> b.Cell:

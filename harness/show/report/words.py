@@ -3,7 +3,7 @@
 from pathlib import PurePath
 
 from harness.results.words import TakenResult, WordResult, WordsResult
-from harness.show.blocks import Cell, Column, Items, Page, Row, Section, Table, or_nothing, tabulated, verdict
+from harness.show.blocks import Cell, Column, Items, Page, Row, Section, Table, tabulated, verdict
 
 CALLED = {"read": "read", "dropped": "dropped", "unit": "other unit", "meaning": "other meaning", "refused": "refused"}
 """Fates as they are printed."""
@@ -65,8 +65,8 @@ def words_page(result: WordsResult) -> Page:
     sections = [
         verdict(result.statement),
         *([Section("What is wrong", [Items(wrong)])] if wrong else []),
-        Section("What readers make of it", or_nothing([Table("word", columns, rows, caption)] if rows else [])),
-        Section("Defaults", or_nothing([tabulated("reader", said, result.defaults, lambda one: titles[one.reader])])),
+        Section("What readers make of it", [Table("word", columns, rows, caption)] if rows else []),
+        Section("Defaults", [tabulated("reader", said, result.defaults, lambda one: titles[one.reader])]),
         Section("Readers", [tabulated("reader", sources, result.readers, lambda one: one.title)]),
     ]
     return Page(f"Words of {PurePath(result.file).name}", result.format.upper(), sections)

@@ -42,6 +42,18 @@
     };
     for (const name of new Set(["xaxis", "yaxis", ...Object.keys(layout).filter((key) => /^[xy]axis\d*$/.test(key))]))
       styled[name] = { ...axis, ...(layout[name] || {}) };
+    // planes side by side stand one above the other where they would be too narrow to read
+    const beside = Object.keys(layout).filter((key) => /^xaxis\d*$/.test(key) && layout[key].domain), n = beside.length;
+    const stacked = n > 1 && element(spec).clientWidth < NARROW;
+    const place = element(spec);
+    place.dataset.height ??= parseFloat(place.style.height);
+    if (stacked) place.style.height = `${place.dataset.height * 0.75 * n}px`;
+    if (stacked) beside.forEach((name, i) => {
+      const up = name.replace("x", "y"), top = 1 - i / n;
+      styled[name] = { ...styled[name], domain: [0, 1], anchor: up.replace("axis", ""), title: i < n - 1 ? "" : styled[name].title };
+      styled[up] = { ...styled[up], domain: [top - 1 / n + 0.09, top - 0.02], showticklabels: true, title: styled.yaxis.title };
+      styled.annotations[i] = { ...styled.annotations[i], x: 0, y: top - 0.02 };
+    });
     return styled;
   }
 
@@ -51,7 +63,7 @@
     modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"],
   };
   const element = (spec) => document.getElementById("plot-" + spec.name);
-  const FEW = 400;
+  const FEW = 400, NARROW = 560;
 
   // indices of the first and last sample within [low, high]; x increases
   function within(x, low, high) {
