@@ -263,6 +263,7 @@ def prove(
     pairs: int | None = None,
     outside: int | None = None,
     machines: bool = False,
+    paths: int = 0,
     short: bool = False,
     resume: bool = False,
     jobs: int | None = None,
@@ -271,7 +272,8 @@ def prove(
     """The sealed blind proof of the diagnosis.
 
     out : folder, which anybody can verify; None for none. singles, controls, pairs, outside : recordings of each group,
-    None for the full number. machines : recordings of machines instead. short : few in all, no evidence. resume : go on
+    None for the full number. machines : recordings of machines instead. paths : so many on every way that gives a
+    verdict instead. short : few in all, no evidence. resume : go on
     with what the folder holds. jobs : processes, None for one a core. Raises InputError, StoreError.
     """
     from harness.app.prove.prove import ProveOptions
@@ -279,7 +281,7 @@ def prove(
 
     sizes = {"singles": singles, "controls": controls, "pairs": pairs, "outside": outside}
     given = {name: value for name, value in sizes.items() if value is not None}
-    options = ProveOptions.chosen(given, short, machines, jobs=jobs, resume=resume)
+    options = ProveOptions.chosen(given, short, machines, paths, jobs=jobs, resume=resume)
     return kept(out, "proof", lambda folder: computed(options, folder))
 
 

@@ -179,7 +179,8 @@ def _beside(leading: Column, channel: str, moving: Sequence[Column], t: Column |
     A speed without a unit that is the slope as the numbers stand has the unit of the position.
     """
     those = [one for one in moving if one.channel == channel and one.mark == leading.mark and one.told > _SCALED]
-    those = [one for one in those if None in (one.angular, leading.angular) or one.angular == leading.angular]
+    if channel != "u":
+        those = [one for one in those if None in (one.angular, leading.angular) or one.angular == leading.angular]
     if len(those) > 1 and leading.axis:
         those = [one for one in those if one.axis == leading.axis]
     if channel == "v" and t is not None:

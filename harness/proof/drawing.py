@@ -13,7 +13,8 @@ from harness.proof.machines.cases import Sealed as SealedMachine
 from harness.proof.machines.kinds import FREE
 from harness.proof.machines.kinds import Job as MachineJob
 from harness.proof.machines.made import made
-from harness.proof.plan import DETECTION, MACHINE, PAIR, PLANT, Job, possible_pairs
+from harness.proof.paths import made as paths
+from harness.proof.plan import DETECTION, MACHINE, PAIR, PATH, PLANT, Job, possible_pairs
 from harness.proof.plant.cases import Case, csv_text, draw, truth
 from harness.proof.seal import Sealed, digest
 
@@ -67,6 +68,9 @@ def drawn(seed: int, job: Job, sealed: SealedMachine | None = None) -> Drawn:
     if job.source == MACHINE:
         recording, answer = _machine(seed, job, sealed)
         return Drawn(name_of(seed, job.index), recording.encode(), {**answer, **about})
+    if job.source == PATH:
+        one = paths.made(seed, job.index, job.setting, job.group, "".join(job.kinds))
+        return Drawn(name_of(seed, job.index), one.recording, {**one.answer, **about})
     if job.group == DETECTION:
         (step,) = draw_series(job.kinds[0], seed, job.series, LOSSES[job.level : job.level + 1])
         case, answer = step.case, step.answer()

@@ -13,10 +13,11 @@ from harness.proof.detection import LOSSES
 from harness.proof.engine_source import ENGINE_KINDS, ENGINES
 from harness.proof.machines.kinds import FREE
 from harness.proof.machines.kinds import plan as plan_machines
+from harness.proof.paths.made import ways
 from harness.proof.plant.effects import ALIENS, KINDS, compatible
 
 SINGLE, CONTROL, PAIR, OUTSIDE, DETECTION = "single", "control", "pair", "outside", "detection"
-PLANT, MACHINE = "plant", "machine"
+PLANT, MACHINE, PATH = "plant", "machine", "path"
 ENGINE_EVERY = 8
 """Of so many recordings of a group that an engine can make, each engine makes one."""
 CONTROL_SETTINGS = {"driven": 0.04, "pendulum": 0.03, "axis": 0.03}
@@ -35,6 +36,7 @@ class Sizes:
     pairs: int = 60
     outside: int = 60
     machines: int = 0
+    paths: int = 0
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -46,12 +48,12 @@ class Sizes:
 
     @property
     def total(self) -> int:
-        return self.singles + self.controls + self.pairs + self.outside + self.machines
+        return self.singles + self.controls + self.pairs + self.outside + self.machines + self.paths
 
     @property
     def is_evidence(self) -> bool:
         """Whether so many recordings can carry the figures a proof speaks of."""
-        return self.covers(FULL) or self.covers(MACHINES)
+        return any(self.covers(full) for full in (FULL, MACHINES, PATHS))
 
     def covers(self, other: "Sizes") -> bool:
         """Whether no group is smaller."""
@@ -66,6 +68,8 @@ FULL = Sizes()
 SHORT = Sizes(16, 5, 2, 1)
 MACHINES, SHORT_MACHINES = Sizes(0, 0, 0, 0, machines=600), Sizes(0, 0, 0, 0, machines=24)
 """Proofs on recordings of machines alone."""
+PATHS, SHORT_PATHS = (Sizes(0, 0, 0, 0, paths=count) for count in (5400, 24))
+"""Proofs on all ways that give a verdict: of each 300 controls, 225 effects and, over all, 675 unknown ones."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,9 +77,9 @@ class Job:
     """One recording to be drawn.
 
     index : its place, from which its chance follows. group : "single", "control", "pair", "outside", "detection", or
-    one of a machine. source : what makes the motion. kinds : what is hidden, () in a control; of a machine the main
-    effect. setting, noise : as in harness.proof.plant.cases.draw; of a machine its kind. series, level : of the
-    detection curve, which case it is at which noise.
+    one of a machine or of a way. source : what makes the motion. kinds : what is hidden, () in a control; of a machine
+    the main effect, of a way the form. setting, noise : as in harness.proof.plant.cases.draw; of a machine its kind, of
+    a way its name. series, level : of the detection curve, which case it is at which noise.
     """
 
     index: int
@@ -111,6 +115,8 @@ def plan(sizes: Sizes, seed: int) -> list[Job]:
     mains = sizes.machines - controls - unknown
     for one in plan_machines(list(FREE.values()), mains, controls, unknown, 0, seed):
         drafts.append(Job(0, one.group, MACHINE, (one.main,) if one.main else (), one.kind.name, ""))
+    for path, group, form in ways(sizes.paths, np.random.default_rng([seed, 4])):
+        drafts.append(Job(0, group, PATH, (form,) if form else (), path, ""))
     if sizes.covers(FULL):
         drafts += [
             Job(0, DETECTION, PLANT, (kind,), "decay", "white", series, level)

@@ -9,6 +9,8 @@ from harness.proof.beside import beside, shortfalls
 from harness.proof.detection import curve
 from harness.proof.machines import score as of_machines
 from harness.proof.machines.kinds import GROUPS as MACHINE_GROUPS
+from harness.proof.paths import score as of_paths
+from harness.proof.paths.made import GROUPS as PATH_GROUPS
 from harness.proof.plan import CONTROL, DETECTION, OUTSIDE, PAIR, SINGLE
 from harness.proof.plant.effects import KINDS
 from harness.proof.score import Answer, Result, Truth, forced, of_another_family, score
@@ -45,7 +47,9 @@ def tally(answers: Mapping[str, Truth], verdicts: Mapping[str, Verdicts], seed: 
     margins = beside(scored, ours, others)
     machines = {name: truth for name, truth in answers.items() if truth["group"] in MACHINE_GROUPS}
     steps = {name: truth for name, truth in answers.items() if truth["group"] == DETECTION}
+    on_paths = {name: truth for name, truth in answers.items() if truth["group"] in PATH_GROUPS}
     rows = scores.figures if scored else []
+    rows += of_paths.found(on_paths, ours) if on_paths else []
     if machines:
         rows += figures(of_machines.score(machines, ours), of_machines.ASKED, "machines_")
     short = [row.sentence for row in rows if row.met is False]
@@ -66,6 +70,7 @@ def tally(answers: Mapping[str, Truth], verdicts: Mapping[str, Verdicts], seed: 
         "must_fail": _must_fail(scored, seed) if scored else [],
         "baselines": [one.model_dump() for one in margins],
         "detection": curve(steps, ours).model_dump() if steps else None,
+        "paths": of_paths.paths(on_paths, ours).model_dump() if on_paths else None,
         "cases": [_case(name, answers[name], ours.get(name)) for name in sorted(answers)],
     }
 
@@ -78,6 +83,8 @@ def _case(name: str, truth: Truth, result: Result | None) -> dict[str, Any]:
         right = answer.label not in ("nothing", "no result") and not of_another_family(answer, truth)
     elif truth["group"] in MACHINE_GROUPS:
         right = of_machines.right(truth, result)
+    elif truth["group"] in PATH_GROUPS:
+        right = of_paths.right(truth, result)
     elif hidden:
         right = sorted(answer.said) == hidden
     else:

@@ -10,6 +10,7 @@ from typing import Any
 from harness.core.errors import InputError, SimulationError
 from harness.proof.drawing import Drawn, drawn, name_of, probes_of, sealed_answers
 from harness.proof.machines.cases import Sealed as SealedMachine
+from harness.proof.paths.files import numbers_in
 from harness.proof.plan import MACHINE, Job, Sizes, plan
 from harness.proof.seal import PUBLISHED, RESUMED, STEPS, Ledger, Sealed, digest
 
@@ -164,7 +165,11 @@ def _checked(ledger: Ledger, case: Drawn, without: Sequence[str] = ()) -> Redraw
 def _lines_agree(sealed: Sequence[str], again: Sequence[str]) -> bool:
     if len(sealed) != len(again) or not sealed or sealed[0] != again[0]:
         return False
-    old, new = ([[float(n) for n in line.split(",")] for line in lines[1:]] for lines in (sealed, again))
+    old, new = ([numbers_in(line) for line in lines[1:]] for lines in (sealed, again))
+    # what holds several files, or words above the numbers, has rows of several widths
+    if [len(row) for row in old] != [len(row) for row in new]:
+        return False
+    old, new = ([[*row, *(0.0 for _ in range(max(map(len, old)) - len(row)))] for row in rows] for rows in (old, new))
     scale = [max(map(abs, column)) for column in zip(*old, strict=True)]
     return all(
         abs(a - b) <= MOTION_ROUNDING * size

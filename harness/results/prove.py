@@ -89,6 +89,49 @@ class Detection(Result):
     limit: float | None = Field(description="median of what BIC charges: below it nobody who goes by BIC can name")
 
 
+class PathLevel(Result):
+    """Effects that are worth so much, by what was said of them."""
+
+    low: float = Field(description="effective samples: log-likelihood that the base model is expected to lose")
+    high: float
+    cases: int
+    named: RateResult
+    listed: RateResult
+    silent: RateResult
+    wrong: RateResult
+
+
+class PathResult(Result):
+    """One way that gives a verdict, by itself."""
+
+    RATES: ClassVar[tuple[str, ...]] = ("told", "bare", "wrong", "misled", "alarms", "covered")
+
+    path: str
+    told: RateResult = Field(description="effects worth above 20 effective samples that were named or listed")
+    bare: RateResult = Field(description="the same where no option was given")
+    wrong: RateResult = Field(description="effects that were called others")
+    misled: RateResult = Field(description="unknown effects that were given a name")
+    alarms: RateResult = Field(description="controls that were given a name")
+    covered: RateResult = Field(description="true values within two standard errors, of controls")
+
+
+class ReliabilityBin(Result):
+    """Verdicts whose likeliest explanation was given such a probability."""
+
+    low: float
+    high: float
+    said: float = Field(description="their mean probability")
+    held: RateResult
+
+
+class PathsResult(Result):
+    """Every way that gives a verdict, as a user runs it."""
+
+    levels: list[PathLevel]
+    ways: list[PathResult]
+    reliability: list[ReliabilityBin]
+
+
 class ProofCase(Result):
     """One recording: what was hidden, what was said."""
 
@@ -114,6 +157,7 @@ class ProofSizes(Result):
     pairs: int
     outside: int
     machines: int = Field(default=0, description="recordings of machines, half of them controls")
+    paths: int = Field(default=0, description="recordings on all ways that give a verdict, half of them controls")
 
 
 class ProofResult(Paged):
@@ -136,6 +180,7 @@ class ProofResult(Paged):
     must_fail: list[MustFail]
     baselines: list[BaselineMargin]
     detection: Detection | None = Field(description="null in a proof that is no evidence")
+    paths: PathsResult | None = Field(default=None, description="null in a proof without recordings on all ways")
     cases: list[ProofCase]
     diagnosis_s: float = Field(description="time that all diagnoses took, added up, s")
     machine: Machine

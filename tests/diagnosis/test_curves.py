@@ -51,6 +51,16 @@ def test_a_law_of_the_speed_is_named_in_one_direction(name: str, force: FloatArr
     assert any("one direction" in note for note in found.recording.notes)
 
 
+def test_two_laws_that_a_table_leaves_open_are_told_without_a_release() -> None:
+    speeds = np.geomspace(0.023, 4.6, 22)
+    noise = 1.0 + 5e-3 * np.random.default_rng(7).standard_normal(speeds.size)
+    force = (0.0773 + 0.0121 * speeds + 0.02 * (speeds / 2.48) ** 0.7) * noise
+    rows = np.arange(speeds.size, dtype=np.float64)
+    found = harness.diagnose(Recording(rows, {"v": speeds, "u": force}, steady=True), engines=())
+    assert found.next_experiment.startswith("To tell power-law-damping from")
+    assert "release" not in found.next_experiment
+
+
 def test_an_offset_is_told_where_both_directions_are_and_signs_of_a_resistance_are_too() -> None:
     found = harness.diagnose(both(1.2 + 0.3 * SPEEDS, push=0.4), engines=())
     assert [m.name for m in found.mechanisms] == ["constant-force"]

@@ -12,6 +12,7 @@ import sys
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ from harness.app.shared.reading import ReadOptions, read_as, spooled
 from harness.core.arrays import FloatArray
 from harness.core.errors import HarnessError
 from harness.proof.beside import R2, SINDY, SYSID
+from harness.proof.paths.files import unpacked
 from harness.proof.seal import canonical
 from harness.proof.tally import OURS
 
@@ -32,14 +34,25 @@ EVIDENCE = 5
 def diagnosed(recording: bytes, arguments: Sequence[str]) -> dict[str, Any]:
     """The verdict of ``harness diagnose - ARGUMENTS`` on a recording, without what no score needs.
 
+    Files that are packed in one are diagnosed as they lie, several together; no engine is asked then.
+
     arguments : as ("--restoring", "none", ...), how the machine is held.
     """
-    named = dict(zip(arguments[::2], arguments[1::2], strict=True))
-    if "--restoring" not in named:
+    named: dict[str, Any] = dict(zip(arguments[::2], arguments[1::2], strict=True))
+    files = unpacked(recording)
+    if files is not None:
+        named["--engines"] = ()
+    elif "--restoring" not in named:
         named |= {"--restoring": "spring", "--zero": "spring"}
     options = DiagnoseOptions.chosen(ReadOptions(), **{name.removeprefix("--"): said for name, said in named.items()})
-    with spooled(io.BytesIO(recording)) as path:
-        result = answer(read_as("-", path, options.reading), options)
+    if files is None:
+        with spooled(io.BytesIO(recording)) as path:
+            result = answer(read_as("-", path, options.reading), options)
+    else:
+        for name, text in files.items():
+            Path(name).write_text(text, encoding="utf-8")
+        read = [read_as(name, Path(name), options.reading) for name in files]
+        result = answer(read if len(read) > 1 else read[0], options)
     full = json.loads(result.model_dump_json(by_alias=True))
     kept = ("verdict", "statement", "baseline", "mechanisms", "refined", "attribution", "warnings")
     engines = {
@@ -47,7 +60,13 @@ def diagnosed(recording: bytes, arguments: Sequence[str]) -> dict[str, Any]:
         for name, block in full["engines"].items()
     }
     noise = full["recording"]["noise"]
-    rest = {"holdout": full["holdout"], "engines": engines, "evidence": full["evidence"][:EVIDENCE], "noise": noise}
+    rest = {
+        "holdout": full["holdout"],
+        "engines": engines,
+        "evidence": full["evidence"][:EVIDENCE],
+        "noise": noise,
+        "posterior": full["posterior"],
+    }
     return {name: full[name] for name in kept} | rest
 
 

@@ -19,6 +19,14 @@ if TYPE_CHECKING:
 @click.option("--pairs", type=click.IntRange(min=0), metavar="N", help="Recordings with two effects.  [60]")
 @click.option("--outside", type=click.IntRange(min=0), metavar="N", help="With an effect no catalogue holds.  [60]")
 @click.option("--machines", is_flag=True, help="600 recordings of machines instead, half of them controls.")
+@click.option(
+    "--paths",
+    type=click.IntRange(min=1),
+    is_flag=False,
+    flag_value=5400,
+    metavar="[N]",
+    help="Instead N recordings on every way that gives a verdict, as users run them.  [5400]",
+)
 @click.option("--short", is_flag=True, help="24 recordings in all: no evidence. With --verify: draw 24 again.")
 @click.option("--verify", type=PATH, metavar="DIR", help="Recompute a proof; run nothing.")
 @click.option("--resume", is_flag=True, help="Go on with the proof that --out holds.")
@@ -27,6 +35,7 @@ if TYPE_CHECKING:
 @output_options
 def command(
     machines: bool,
+    paths: int | None,
     short: bool,
     verify: Path | None,
     resume: bool,
@@ -45,6 +54,9 @@ def command(
     --machines draws recordings as real machines make them: one large omission among small ones, a hand that gives way,
     a zero anywhere, sensors as they are; half of them have no large one.
 
+    --paths asks every way that gives a verdict: effects in published forms that are not the catalogue's, unknown ones,
+    and as many controls, in files as loggers write them, half of them without any option.
+
     --verify recomputes hashes, commitments, scores and recordings of a published proof. Exit 1 when it was changed.
 
     \b
@@ -55,22 +67,37 @@ def command(
     given = {name: value for name, value in sizes.items() if value is not None}
     one = "one of the two"
     if verify is not None:
-        refuse("given with --verify", one, **given, machines=machines, resume=resume, out=to.out, cluster=cluster)
+        refuse(
+            "given with --verify",
+            one,
+            **given,
+            machines=machines,
+            paths=paths,
+            resume=resume,
+            out=to.out,
+            cluster=cluster,
+        )
         from harness.app.prove.verify import verify_proof
 
         with to.told() as progress:
             check = verify_proof(verify, short, jobs, progress)
         to.give(check, _print_check)
         return 0 if check.accepted else 1
-    plans = [name for name, chosen in (("short", short), ("machines", machines), ("resume", resume)) if chosen]
+    plans = [
+        name
+        for name, chosen in (("short", short), ("machines", machines), ("paths", paths), ("resume", resume))
+        if chosen
+    ]
     if given and plans:
         raise InputError(f"--{next(iter(given))}", f"given with --{plans[0]}", one)
     if resume:
         accepted = "--resume alone, which goes on with what was begun"
-        refuse("given with --resume", accepted, machines=machines, short=short)
+        refuse("given with --resume", accepted, machines=machines, paths=paths, short=short)
+    if machines:
+        refuse("given with --machines", one, paths=paths)
     from harness.app.prove.prove import ProveOptions, prove
 
-    options = ProveOptions.chosen(given, short, machines, jobs=jobs, cluster=cluster, resume=resume)
+    options = ProveOptions.chosen(given, short, machines, paths or 0, jobs=jobs, cluster=cluster, resume=resume)
     with to.told() as progress:
         result = prove(options, to.out, progress, this_line())
     to.give(result, _print)

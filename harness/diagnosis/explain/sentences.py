@@ -28,6 +28,7 @@ from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search, under
 from harness.diagnosis.verdict import Judgement
 from harness.kernels.solve import Scales
+from harness.model.model import Restoring
 from harness.model.registry import TERMS
 from harness.model.term import DRIVEN, LARGER, SLOW
 
@@ -326,7 +327,7 @@ def next_experiment(found: Open | None, problem: Problem, scales: Scales) -> str
         (t.told_from[b] for a, b in (found.names, (other, name)) for t in TERMS if t.name == a and b in t.told_from),
         None,
     )
-    if "driven" in problem.given:
+    if "driven" in problem.given or "u" in problem.channels:
         advice = DRIVEN[told] if told else _DRIVEN[found.family]
     elif found.family == "sensor" and {"x", "a"} <= set(problem.channels):
         advice = LARGER
@@ -359,7 +360,7 @@ def to_be_sure(mechanisms: Sequence[Mechanism], rules: Sequence[Rule], driven: b
 def _by_release(found: Open, problem: Problem, scales: Scales) -> str:
     """From how far to let go for the two to part; "" where no other amplitude parts them, or nothing lets go."""
     one_clock = any("one-clock" in e.term.needs for f in (found.first, found.rival) if f for e in f.model.terms)
-    if found.rival is None or one_clock or problem.covariates:
+    if found.rival is None or one_clock or problem.covariates or found.first.model.restoring is Restoring.NONE:
         return ""
     each = releases(under(found.first, problem), under(found.rival, problem), problem, scales)
     sides = [[one for one in each if (one.factor > 1.0) is larger and one.apart >= _PARTS] for larger in (True, False)]

@@ -16,6 +16,7 @@ from harness.results.prove import (
 )
 from harness.show import blocks as b
 from harness.show.numbers import number
+from harness.show.report import proof_paths
 from harness.show.report.page import made_with
 from harness.show.report.proof_figures import BAD, GOOD, confusion, detection, intervals
 
@@ -29,6 +30,9 @@ GROUPS = {
     "main": "A machine with one large omission",
     "machine-control": "A machine with small omissions alone",
     "unknown": "A machine with a large omission that no catalogue holds",
+    "path": "An effect in another form",
+    "path-control": "Nothing hidden, on any way",
+    "path-unknown": "An effect of a random family",
 }
 TOLD = (
     "A seed was taken from the operating system, and its salted hash written down, before anything else.",
@@ -51,7 +55,12 @@ def proof_page(result: ProofResult, order: Sequence[str], transcript: Sequence[M
     """order : names of the catalogue in their order. transcript : ("step", "at", "hash") of each entry."""
     sizes = result.sizes
     sentences = [f"Falls short: {line}." for line in result.shortfalls]
-    if sizes.machines:
+    if sizes.paths:
+        sentences.append(
+            f"{sizes.paths} recordings are of {len(result.paths.ways) if result.paths else 0} ways that give a "
+            "verdict, half of them with nothing hidden, half without any option."
+        )
+    elif sizes.machines:
         sentences.append(f"{sizes.machines} recordings are of machines, half of them with small omissions alone.")
     else:
         sentences.append(
@@ -59,9 +68,12 @@ def proof_page(result: ProofResult, order: Sequence[str], transcript: Sequence[M
             f"{sizes.outside} one that no catalogue holds."
         )
     sentences += [f"Given up: {line}" for line in result.given_up]
+    first = [] if result.paths is None else [proof_paths.curve(result.paths), _missed(result.cases)]
     sections = [
         b.verdict(_headline(result), sentences),
+        *first,
         _figures(result.figures, result.forced, result.by_source),
+        *([] if result.paths is None else [proof_paths.ways(result.paths)]),
     ]
     if result.confusion:
         sections.append(confusion(result.confusion, order))
@@ -83,7 +95,7 @@ def proof_page(result: ProofResult, order: Sequence[str], transcript: Sequence[M
     )
     sealed: list[b.Block] = [b.Items(TOLD, ordered=True), b.Code("harness prove --verify DIR", intro=_AGAIN), entries]
     sections += [
-        _missed(result.cases),
+        *([] if first else [_missed(result.cases)]),
         b.Section("How it was sealed", [*sealed, b.Text(LIMITS)]),
         made_with(result.machine, result.files, result.command),
     ]
@@ -99,6 +111,9 @@ def _headline(result: ProofResult) -> str:
     for key, what in (("listed", "named or listed"), ("wrong", "called another")):
         if one := figures.get(f"machines_{key}"):
             parts.append(f"{one.hits} of {one.cases} main effects of machines were {what}")
+    for key, what in (("told", "effects worth above 20 were named or listed"), ("alarms", "controls were claimed")):
+        if one := figures.get(f"paths_{key}"):
+            parts.append(f"{one.hits} of {one.cases} {what}")
     if named := figures.get("named"):
         low = 100.0 * (named.low or 0.0)
         parts.append(f"{named.hits} of {named.cases} hidden effects were named (at least {low:.1f} % of such)")

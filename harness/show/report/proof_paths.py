@@ -1,0 +1,78 @@
+"""Of a proof on every way that gives a verdict: the curve of detection, way by way, what probabilities are worth."""
+
+import math
+
+import numpy as np
+
+from harness.results.prove import PathLevel, PathResult, PathsResult, RateResult
+from harness.show import blocks as b
+from harness.show.numbers import number
+from harness.show.plots import axes, plain
+from harness.show.report.proof_figures import BAD, GOOD
+
+_SAID = {"named": GOOD, "listed": "#8ac6b0", "silent": "#7a8594", "wrong": BAD}
+
+
+def _rate(rate: RateResult) -> b.Cell:
+    if rate.value is None or rate.low is None or rate.high is None:
+        return b.Cell(number(None))
+    return b.Cell(f"{rate.hits} of {rate.cases}", (f"{100.0 * rate.low:.1f} to {100.0 * rate.high:.1f} %",))
+
+
+def curve(found: PathsResult) -> b.Section:
+    """What was said against what an effect is worth, and the limit of the likelihood."""
+    # in the middle of each class, in its logarithm; the first reaches down to nothing
+    at = np.array([math.sqrt(max(one.low, 0.1) * one.high) for one in found.levels])
+    traces = []
+    for name, color in _SAID.items():
+        share = np.array([100.0 * (getattr(one, name).value or 0.0) for one in found.levels])
+        traces.append(plain(name, at, share, color, 2, mode="lines+markers", marker={"size": 8}))
+    # a law of two numbers pays 2 ln N of chi-square for them, half of that of likelihood
+    limit = math.log(2000.0)
+    style = {"color": "ink", "width": 1.4, "dash": "dot"}
+    traces.append(plain("what BIC charges for two numbers", [limit, limit], [0, 100], "ink", line=style))
+    layout = axes("log-likelihood that the base model is expected to lose, effective samples", "of the effects / %")
+    layout["xaxis"] |= {"type": "log", "exponentformat": "power"}
+    layout["yaxis"]["range"] = [-3, 103]
+    caption = "Left of the dotted line nobody who goes by BIC can name an effect; it is drawn for 2000 samples."
+    columns = [
+        b.Column("effects", lambda one: str(one.cases)),
+        *(b.Column(name, b.by(name, lambda one, key: _rate(getattr(one, key)))) for name in _SAID),
+    ]
+    table = b.tabulated("worth", columns, found.levels, _between, caption="With exact 95 % intervals.")
+    return b.Section("What is told of an effect", [b.Figure("paths", traces, layout, caption, height=380), table])
+
+
+def _between(level: PathLevel) -> str:
+    return f"{level.low:.3g} to {level.high:.3g}"
+
+
+_WAYS = {
+    "told": "told, worth above 20",
+    "bare": "the same without options",
+    "wrong": "effects called others",
+    "misled": "unknown effects named",
+    "alarms": "false alarms",
+    "covered": "within two errors",
+}
+
+
+def ways(found: PathsResult) -> b.Section:
+    """Way by way, then the probabilities."""
+    columns = [b.Column(head, b.by(key, lambda one, name: _rate(getattr(one, name)))) for key, head in _WAYS.items()]
+    said = b.tabulated("way", columns, found.ways, _name, caption="With exact 95 % intervals.")
+    bins = [
+        b.Column("verdicts", lambda one: str(one.held.cases)),
+        b.Column("mean probability", lambda one: f"{one.said:.2f}"),
+        b.Column("held", lambda one: _rate(one.held)),
+    ]
+    caption = "The likeliest explanation of each verdict that gives one, by its probability."
+    sure = b.tabulated(
+        "probability", bins, found.reliability, lambda one: f"{one.low:.1f} to {one.high:.1f}", caption=caption,
+        title="What probabilities are worth",
+    )  # fmt: skip
+    return b.Section("Way by way", [said, sure])
+
+
+def _name(way: PathResult) -> str:
+    return way.path

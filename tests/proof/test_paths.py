@@ -1,0 +1,162 @@
+"""The proof on every way that gives a verdict: its plant, its effects, its files, its scores, sealed as any other."""
+
+import math
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from small_proof import STUB
+
+from harness.app.prove.prove import ProveOptions, prove
+from harness.app.prove.verify import verify_proof
+from harness.io.recording import read_recording
+from harness.proof.paths import plant
+from harness.proof.paths.files import numbers_in, packed, unpacked, written
+from harness.proof.paths.forms import FORMS, PATHS, SHAPES, numbers, unknown
+from harness.proof.paths.made import CONTROL, FORM, UNKNOWN, forms_of, made
+from harness.proof.paths.rigs import BARE, NONE, draw_rig, laws_of, loss, shown
+from harness.proof.paths.score import outcome
+from harness.proof.plan import PATHS as FULL
+from harness.proof.plan import SHORT_PATHS, Sizes, plan
+
+SEED = 2**101 + 7
+
+
+def test_every_way_occurs_as_often_as_any_other_and_half_are_controls() -> None:
+    jobs = plan(FULL, SEED)
+    assert jobs == plan(FULL, SEED) != plan(FULL, SEED + 1)
+    each = Counter((job.setting, job.group) for job in jobs)
+    for path in PATHS:
+        assert each[path, CONTROL] == 300
+        assert each[path, FORM] >= 100
+        assert {"".join(j.kinds) for j in jobs if (j.setting, j.group) == (path, FORM)} == set(forms_of(path))
+    assert sum(count for (_, group), count in each.items() if group == UNKNOWN) >= 300
+    assert FULL.is_evidence
+    assert not SHORT_PATHS.is_evidence
+
+
+def test_a_slider_of_the_plant_turns_where_the_closed_form_says() -> None:
+    m, zeta, omega, x_k = 1.0, 0.02, 10.0, 0.001
+    b = np.array([m, 2.0 * zeta * omega, omega**2, x_k * omega**2, 0.0])
+    dt = 2.0 * math.pi / omega / 200
+    x = plant.given_force(np.zeros(2000), True, dt, 4, 0.1, 0.0, b, BARE, NONE)[:, 0]
+    q, height = math.exp(-math.pi * zeta / math.sqrt(1.0 - zeta**2)), 0.1
+    half = math.pi / omega / math.sqrt(1.0 - zeta**2) / dt
+    for turn in range(1, 12):
+        height = max(q * height - (1.0 + q) * x_k, 0.0)
+        near = round(turn * half)
+        assert np.max(np.abs(x[near - 3 : near + 4])) == pytest.approx(height, abs=2e-5)
+
+
+def test_work_against_friction_is_the_energy_that_is_lost() -> None:
+    b = np.array([2.0, 0.0, 50.0, 0.3, 0.0])
+    for name in ("Stribeck, exponential", "load on a bearing", "friction along the way"):
+        rig = draw_rig("free decay", np.random.default_rng(1))
+        scales = rig.scales(rig.run(BARE))
+        p = numbers(FORMS[name].numbers(scales, np.random.default_rng(2)), scales)
+        p[plant.STRIBECK] = min(p[plant.STRIBECK], 0.1)
+        run = plant.given_force(np.zeros(400), True, 0.01, 8, 0.2, 0.0, b, p, NONE)
+        energy = 0.5 * b[0] * run[:, 1] ** 2 + 0.5 * b[2] * run[:, 0] ** 2
+        assert energy[0] - energy == pytest.approx(run[:, 4], abs=1e-5 * energy[0])
+
+
+@pytest.mark.parametrize("path", PATHS)
+def test_an_effect_is_as_strong_as_was_drawn_and_a_control_has_none(path: str) -> None:
+    form = forms_of(path)[0]
+    one = made(SEED, 3, path, FORM, form)
+    assert one.answer["right"] == list(FORMS[form].right)
+    assert 0.1 < one.answer["loss"] < 1e5
+    bare = made(SEED, 3, path, CONTROL, "")
+    assert (bare.answer["right"], bare.answer["loss"]) == ([], 0.0)
+    files = unpacked(bare.recording)
+    assert files is not None
+    assert len(files) == 1 or path == "several together"
+
+
+def test_no_noise_hides_nothing_of_the_base() -> None:
+    rig = draw_rig("driven on a spring", np.random.default_rng(5))
+    assert loss(rig, BARE) < 1e-6
+
+
+def test_an_unknown_effect_that_is_all_but_a_law_is_that_law() -> None:
+    rig = draw_rig("free decay", np.random.default_rng(8))
+    scales = rig.scales(rig.run(BARE))
+    p, tables = unknown("f(x)", scales, np.random.default_rng(1))
+    grid = np.linspace(-2.0, 2.0, plant.TABLE)
+    tables[0] = grid**3
+    found = laws_of(rig, p, tables)
+    assert found["cubic-stiffness"] > 0.99
+    assert found["quadratic-stiffness"] < 0.5
+    for shape in SHAPES:
+        p, tables = unknown(shape, scales, np.random.default_rng(1))
+        assert np.ptp(rig.run(p, tables)[:, 0] - rig.run(BARE)[:, 0]) > 0.0
+
+
+def test_a_late_sensor_is_late_by_its_delay_whatever_its_order() -> None:
+    rig = draw_rig("free decay", np.random.default_rng(8), both=True)
+    run = rig.run(BARE)
+    late = 0.05 / math.sqrt(rig.b[2])
+    for order in (0.0, 1.0, 2.0):
+        p = BARE.copy()
+        p[plant.LATE], p[plant.LATE_FORM] = late, order
+        x, t = shown(rig, run, p)["x"], np.arange(len(run)) * rig.dt
+        moved = np.interp(t - late, t, run[:, 0])
+        assert np.max(np.abs(x - moved)[50:]) < 0.02 * np.max(np.abs(run[:, 0]))
+
+
+@pytest.mark.parametrize("turning", [False, True])
+def test_files_of_loggers_are_read_as_what_was_written(turning: bool, tmp_path: Path) -> None:
+    t = 0.01 * np.arange(200.0)
+    x, u = 0.1 * np.exp(-t) * np.cos(20.0 * t), np.sin(7.0 * t)
+    for number in range(8):
+        text = written(np.random.default_rng(number), t, {"x": x, "u": u}, turning)
+        (tmp_path / "recording.csv").write_text(text, encoding="utf-8")
+        found = read_recording(tmp_path / "recording.csv")
+        assert found.t == pytest.approx(t, abs=1e-6)
+        assert found["x"] == pytest.approx(x, abs=1e-6)
+        assert found["u"] == pytest.approx(u, abs=1e-6)
+        assert unpacked(packed({"a.csv": text, "b.csv": text})) == {"a.csv": text, "b.csv": text}
+    assert unpacked(b"t,x\n0,1\n") is None
+    assert (numbers_in("1,5;2"), numbers_in("1,5,2"), numbers_in("Time (s),x")) == ([1.5, 2.0], [1.0, 5.0, 2.0], [])
+
+
+@pytest.mark.parametrize(
+    ("verdict", "names", "grade", "hidden", "said"),
+    [
+        ("adequate", [], "", [], "silent"),
+        ("missing_physics", ["stribeck"], "explains", ["stribeck", "static-friction"], "named"),
+        ("missing_physics", ["stribeck", "impulse"], "explains", ["stribeck"], "wrong"),
+        ("one_of", ["impulse", "stribeck"], "one-of", ["stribeck"], "listed"),
+        ("one_of", ["impulse", "backlash"], "one-of", ["stribeck"], "wrong"),
+        ("one_of", ["impulse", "backlash", "presliding", "stribeck"], "one-of", ["stribeck"], "silent"),
+        ("main_effect", ["impulse"], "main", [], "wrong"),
+        ("unexplained", ["impulse"], "minor", ["stribeck"], "silent"),
+    ],
+)
+def test_right_is_the_mechanism(verdict: str, names: list[str], grade: str, hidden: list[str], said: str) -> None:
+    result: dict[str, Any] = {"verdict": verdict, "mechanisms": [{"name": n, "grade": grade} for n in names]}
+    assert outcome({"right": hidden}, result) == said
+
+
+def test_a_proof_on_all_ways_is_sealed_and_verified(tmp_path: Path, one_version: None) -> None:
+    options = ProveOptions(Sizes(0, 0, 0, 0, paths=12), jobs=1, baselines=(), blind=STUB)
+    result = prove(options, tmp_path / "paths")
+    assert not result.evidence
+    assert result.paths is not None
+    # the stub says of everything that nothing is left out
+    figures = {figure.key: figure for figure in result.figures}
+    assert (figures["paths_alarms"].hits, figures["paths_alarms"].cases) == (0, 6)
+    assert figures["paths_told"].hits == 0
+    assert sum(level.silent.hits for level in result.paths.levels) == sum(level.cases for level in result.paths.levels)
+    assert {way.path for way in result.paths.ways} <= set(PATHS)
+    check = verify_proof(tmp_path / "paths", jobs=1)
+    assert check.wrong == []
+    assert (check.recordings, check.identical) == (12, 12)
+    page = (tmp_path / "paths" / "report.html").read_text(encoding="utf-8")
+    assert "What is told of an effect" in page
+    # a number that is changed in a recording is seen
+    file = next((tmp_path / "paths" / "recordings").glob("*.csv"))
+    file.write_text(file.read_text(encoding="utf-8").replace("1", "2"), encoding="utf-8")
+    assert any("was changed" in line for line in verify_proof(tmp_path / "paths", short=True, jobs=1).wrong)
