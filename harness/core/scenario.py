@@ -41,6 +41,25 @@ class Belt:
 
 
 @dataclass(frozen=True, slots=True)
+class CurveBelt(Belt):
+    """A belt whose friction is a curve over the sliding speed u = v - speed.
+
+    A level f_k + (f_s - f_k) exp(-(u/v_s)^2) of the slider's f_k and f_s, which is all that holds it at u = 0, and
+    c_2 u|u| + c_3 u^3 beside it. v_s : m/s. c_2 : N s^2/m^2. c_3 : N s^3/m^3.
+    """
+
+    v_s: float = 0.05
+    c_2: float = 0.0
+    c_3: float = 0.0
+
+    def __post_init__(self) -> None:
+        super(CurveBelt, self).__post_init__()  # with slots the class is not the one that super() knows
+        positive("belt: v_s", self.v_s, "m/s")
+        finite("belt: c_2", self.c_2)
+        finite("belt: c_3", self.c_3)
+
+
+@dataclass(frozen=True, slots=True)
 class Body:
     """A rigid body with all six freedoms under gravity, in place of the slider on its spring: m and f_k are its own.
 

@@ -1,99 +1,20 @@
-"""The interface every engine implements: a Task goes in, a core Trajectory comes out.
-
-Forces that no engine has by nature: laws given as compiled functions, driving forces given as samples.
-"""
+"""The interface every engine implements: a Task goes in, a core Trajectory comes out."""
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any, ClassVar, Literal, TypeAlias, get_args
 
-import numpy as np
-
-from harness.core.arrays import FloatArray
-from harness.core.checks import finite, increasing, positive, vector
+from harness.core.checks import positive
 from harness.core.errors import HarnessError, InputError, SimulationError, did_you_mean
 from harness.core.registered import version
-from harness.core.scenario import Body, Scenario
+from harness.core.scenario import Body, CurveBelt, Scenario
 from harness.core.trajectory import Trajectory
+from harness.engines.curve import curve_of
+from harness.engines.forces import Drive, ForceLaw
 from harness.engines.joint_words import JointWords, Kinds
-
-Function: TypeAlias = Callable[..., Any]
-
-
-def _none() -> FloatArray:
-    return np.empty(0)
-
-
-@dataclass(frozen=True, slots=True)
-class ForceLaw:
-    """What acts on the slider besides spring, viscous damper and constant dry friction.
-
-    Each part is a function compiled with harness.core.jit.compiled, or None; x in m, v in m/s, t in s, forces in N.
-
-    force : (t, x, v, state, params) -> extra force on the right-hand side of m x'' + c x' + k x + f = u + force.
-        Evaluated at every stage of the integrator where the engine has stages, else at every step.
-    level : (t, x, v, state, params) -> f_k, the level of dry friction that stands for slider.f_k; break-away keeps the
-        ratio f_s/f_k. Evaluated as ``force`` is.
-    advance : (t, x, v, dt, state, params) -> None, called once at the start of every step with the state of that
-        moment; moves internal states (a bristle, a Maxwell branch) in place. ``force`` sees what it left behind.
-    params, state : float64 vectors handed to all three; a run works on its ``own`` copies.
-    """
-
-    force: Function | None = None
-    level: Function | None = None
-    advance: Function | None = None
-    params: FloatArray = field(default_factory=_none)
-    state: FloatArray = field(default_factory=_none)
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "params", vector("force law: params", self.params))
-        object.__setattr__(self, "state", vector("force law: state", self.state))
-        if self.force is None and self.level is None:
-            raise InputError("force law", "neither force nor level", "at least one of them")
-
-    def own(self) -> tuple[FloatArray, FloatArray]:
-        """State and params of one run; writable, as MuJoCo hands them on: a law is compiled once for all engines."""
-        return self.state.copy(), self.params.copy()
-
-
-@dataclass(frozen=True, slots=True)
-class Drive:
-    """A driving force u(t) given as samples, straight lines between them, held at its end values outside.
-
-    t : s, increasing, shape (n,). u : N, shape (n,). Raises InputError for lengths that differ or times that go back.
-    """
-
-    t: FloatArray
-    u: FloatArray
-
-    def __post_init__(self) -> None:
-        t = vector("drive: t", self.t)
-        increasing("drive: t", t)
-        if not t.size:
-            raise InputError("drive: t", "no samples", "at least 1")
-        object.__setattr__(self, "t", t)
-        object.__setattr__(self, "u", vector("drive: u", self.u, t.size))
-
-    @classmethod
-    def none(cls) -> "Drive":
-        """No force at all; something to add a knock to."""
-        return cls(np.zeros(1), np.zeros(1))
-
-    def with_knock(self, time: float, impulse: float, dt: float) -> "Drive":
-        """The same drive and a knock of ``impulse`` (N s) at ``time`` (s), for a run with step ``dt`` (s).
-
-        The knock is a triangle two steps wide. Sampled once a step, or at the start, middle and end of steps as
-        Runge-Kutta does, it passes on exactly its impulse, with the right mean time, wherever it falls between steps.
-        """
-        positive("knock: dt", dt, "s")
-        corners = finite("knock: time", time) + dt * np.array([-1.0, 0.0, 1.0])
-        t = np.union1d(self.t, corners)
-        pulse = np.interp(t, corners, [0.0, finite("knock: impulse", impulse) / dt, 0.0])
-        return Drive(t, np.interp(t, self.t, self.u) + pulse)
-
 
 Route: TypeAlias = Literal["joint", "contact", "law"]
 Preset: TypeAlias = Literal["as-shipped", "tuned"]
@@ -191,6 +112,26 @@ class Engine(ABC):
         dt None takes the preset's own step; settings that depend on the step are computed for it.
         """
 
+    def task(
+        self,
+        scenario: Scenario,
+        route: Route,
+        preset: Preset,
+        dt: float | None = None,
+        settings: Settings | None = None,
+    ) -> Task:
+        """A scenario as this engine is told of it: friction that is a curve becomes a law, and words where it has them.
+
+        See Task.
+        """
+        task = Task(scenario, route, preset, dt, settings or {})
+        if not isinstance(scenario.action, CurveBelt):
+            return task
+        level, words = curve_of(scenario.slider, scenario.action, self.native if route == "joint" else frozenset())
+        # the curve ends at the break-away force by itself
+        plain = replace(scenario, slider=replace(scenario.slider, f_s=None))
+        return replace(task, scenario=plain, law=level, words=words)
+
     @abstractmethod
     def simulate(self, task: Task) -> Trajectory:
         """Run a task; sample 0 is the start, one sample a step follows.
@@ -224,6 +165,8 @@ def resolve(engine: Engine, task: Task) -> dict[str, Any]:
         raise SimulationError(f"{engine.name}: no bodies with six freedoms on the {task.route} route")
     if task.words is not None and (not engine.native or task.route != "joint"):
         raise SimulationError(f"{engine.name}: its joint has no words for polynomials on the {task.route} route")
+    if isinstance(task.scenario.action, CurveBelt) and task.law is None:
+        raise SimulationError(f"{engine.name}: the belt's curve is none of the task's laws; Engine.task makes it one")
     if not engine.calls and (task.law is not None or task.restoring == "pendulum"):
         raise SimulationError(f"{engine.name}: no force laws and no pendulum: nothing can be called within its steps")
     settings = engine.presets(task.route, task.preset, task.dt)

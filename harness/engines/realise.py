@@ -16,7 +16,8 @@ from harness.core.errors import SimulationError
 from harness.core.jit import compiled
 from harness.core.scenario import Scenario
 from harness.core.slider import Slider
-from harness.engines.base import Drive, ForceLaw, Preset, Route, Settings, Task
+from harness.engines.base import Preset, Route, Settings, Task
+from harness.engines.forces import Drive, ForceLaw
 from harness.engines.joint_words import Kinds, elements, words_of
 from harness.kernels.dispatch import bristle_law, internal, modulation, smooth, smoothed_law, speed_level
 from harness.kernels.layout import (

@@ -56,7 +56,7 @@ def load_at_start(task: Task, dt: float) -> float:
     if law is not None and law.force is not None:
         force += float(law.force(*_start_of(task, dt)))
     if task.words is not None:
-        force -= float(task.words.force(np.array(scenario.x0), np.array(scenario.v0)))
+        force -= float(task.words.force(np.array(scenario.x0), np.array(scenario.v0 - belt_speed(task))))
     return force - restoring_force(task, scenario.x0) - scenario.slider.c * scenario.v0
 
 
@@ -120,7 +120,7 @@ def newton_friction(task: Task, x: FloatArray, v: FloatArray, a: FloatArray, app
     """Dry friction as what Newton's second law leaves: u - m a - c v - restoring force, N."""
     slider = task.scenario.slider
     if task.words is not None:
-        applied = applied - task.words.force(x, v)
+        applied = applied - task.words.force(x, v - belt_speed(task))  # the joint is the belt's
     return applied - slider.m * a - slider.c * v - restoring_forces(task, x)
 
 

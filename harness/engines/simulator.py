@@ -5,7 +5,8 @@ from typing import final
 
 from harness.core.trajectory import Trajectory
 from harness.engines import registry
-from harness.engines.base import Drive, Engine, Preset, Settings
+from harness.engines.base import Engine, Preset, Settings
+from harness.engines.forces import Drive
 from harness.engines.joint_words import Kinds, elements
 from harness.engines.realise import task_of
 from harness.kernels.solve import Drive as Measured

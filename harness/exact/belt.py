@@ -6,7 +6,10 @@ transcendental equation.
 """
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 
@@ -16,6 +19,9 @@ from harness.core.events import EventKind, Events, Mode
 from harness.core.slider import Slider
 from harness.core.trajectory import Source, Trajectory
 from harness.exact.flow import discriminant, flow
+
+Path: TypeAlias = Callable[[float], tuple[float, float, float]]
+"""x (m), v (m/s), a (m/s^2) at a time in s after break-away, while it slips."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,12 +36,14 @@ class SteadySliding:
 class LimitCycle:
     """Stick-slip; time 0 is a break-away.
 
-    slider, belt_speed (m/s) : what cycles. slip_time, stick_time : s. break_away_x, stick_x : positions in m where it
-    lets go and where it sticks. highest, lowest : turning points of x in m.
+    belt_speed : m/s. path : of the slip, a time of which when it is slower than near the belt's speed is ``slow`` (s).
+    slip_time, stick_time : s. break_away_x, stick_x : positions in m where it lets go and where it sticks. highest,
+    lowest : turning points of x in m.
     """
 
-    slider: Slider
     belt_speed: float
+    path: Path = field(repr=False)
+    slow: float
     slip_time: float
     stick_time: float
     break_away_x: float
@@ -65,11 +73,10 @@ class LimitCycle:
         slowly. With 1 mm/s, f_s = 4, f_k = 3, v_b = 0.1, c = 0.2, m = 1, k = 100 gives 0.286 where 0.283 is stuck.
         """
         level = self.belt_speed - tolerance
-        slowest = _slowest(self.slider, self.belt_speed)
-        if _slip(self.slider, self.break_away_x, self.belt_speed, slowest)[1] >= level:
+        if self.path(self.slow)[1] >= level:
             return 1.0
-        away = _crossing(self.slider, self.break_away_x, self.belt_speed, level, slowest, 0.0)
-        back = _crossing(self.slider, self.break_away_x, self.belt_speed, level, slowest, self.slip_time)
+        away = crossing(self.path, level, self.slow, 0.0)
+        back = crossing(self.path, level, self.slow, self.slip_time)
         return 1.0 - (back - away) / self.period
 
     def sample(self, t: FloatArray) -> Trajectory:
@@ -81,7 +88,7 @@ class LimitCycle:
         x = self.stick_x + self.belt_speed * (phase - self.slip_time)
         v, a = np.full_like(x, self.belt_speed), np.zeros_like(x)
         for j in np.flatnonzero(slips):
-            x[j], v[j], a[j] = _slip(self.slider, self.break_away_x, self.belt_speed, float(phase[j]))
+            x[j], v[j], a[j] = self.path(float(phase[j]))
         mode = np.where(slips, int(Mode.SLIP_NEGATIVE), int(Mode.STICK)).astype(np.int8)
         source = Source("reference", "exact")
         return Trajectory(times, x, v, a, source, mode=mode, events=self._events(float(times[0]), float(times[-1])))
@@ -89,8 +96,7 @@ class LimitCycle:
     def _events(self, begin: float, end: float) -> Events:
         first, last = math.floor(begin / self.period), math.ceil(end / self.period)
         starts = self.period * np.arange(first, last + 1)
-        after = _slip(self.slider, self.break_away_x, self.belt_speed, 0.0)[2]
-        before = _slip(self.slider, self.break_away_x, self.belt_speed, self.slip_time)[2]
+        after, before = self.path(0.0)[2], self.path(self.slip_time)[2]
         t = np.column_stack((starts, starts + self.slip_time)).ravel()
         inside = (t >= begin) & (t <= end)
         n = starts.size
@@ -116,13 +122,13 @@ def _slowest(slider: Slider, speed: float) -> float:
     return math.atan2(drop * slider.omega_d, sigma * drop - slider.omega_n**2 * speed) / slider.omega_d
 
 
-def _crossing(slider: Slider, x: float, v: float, level: float, below: float, above: float) -> float:
+def crossing(path: Path, level: float, below: float, above: float) -> float:
     """When the slip's speed crosses ``level`` (m/s), below which it is at one of the times (s), to the last bit."""
     while True:
         middle = 0.5 * (below + above)
         if middle in (below, above):
             return above
-        if _slip(slider, x, v, middle)[1] < level:
+        if path(middle)[1] < level:
             below = middle
         else:
             above = middle
@@ -144,13 +150,13 @@ def limit_cycle(slider: Slider, belt_speed: float) -> LimitCycle | SteadySliding
     # a = 0 first at the lowest speed, half a damped period later at the highest
     low = _slowest(slider, speed)
     high = low + math.pi / omega_d
-    if _slip(slider, start, speed, high)[1] < speed:
+    path = partial(_slip, slider, start, speed)
+    if path(high)[1] < speed:
         return SteadySliding(slider.x_k, "viscous damping keeps the slip slower than the belt")
-    slip = _crossing(slider, start, speed, speed, low, high)
-    end = _slip(slider, start, speed, slip)[0]
+    slip = crossing(path, speed, low, high)
+    end = path(slip)[0]
     # v = 0 at the highest point, half a damped period later at the lowest
     push = slider.omega_n**2 * (start - slider.x_k) + sigma * speed
     top = math.atan2(speed * omega_d, push) / omega_d
-    highest = _slip(slider, start, speed, top)[0]
-    lowest = _slip(slider, start, speed, top + math.pi / omega_d)[0]
-    return LimitCycle(slider, speed, slip, (start - end) / speed, start, end, highest, lowest)
+    highest, lowest = path(top)[0], path(top + math.pi / omega_d)[0]
+    return LimitCycle(speed, path, low, slip, (start - end) / speed, start, end, highest, lowest)

@@ -160,8 +160,9 @@ def one(row: Row) -> float:
     return 1.0
 
 
-Part: TypeAlias = Literal["suite", "trained", "bodies"]
-"""trained : as people train policies, with less effort of the solver. bodies : with six freedoms, in contact."""
+Part: TypeAlias = Literal["suite", "trained", "bodies", "laws"]
+"""trained : as people train policies, with less effort of the solver. bodies : with six freedoms, in contact. laws :
+friction that is a curve over the speed."""
 Answers: TypeAlias = dict[str, float]
 Metrics: TypeAlias = dict[str, float | None]
 

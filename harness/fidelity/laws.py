@@ -135,6 +135,43 @@ def stable(step: FloatArray) -> bool:
     return det <= 1.0 + slack and 1.0 + trace + det >= -slack and 1.0 - trace + det >= -slack
 
 
+@dataclass(frozen=True, slots=True)
+class Told:
+    """How an engine is told of friction that is more than one level, with the words that are used.
+
+    engine : as commands name it. static : f_s above f_k. stribeck : a level that falls with the sliding speed.
+    polynomial : c_2 u|u| + c_3 u^3 of the sliding speed u. by : what it is said with.
+    """
+
+    engine: str
+    static: str
+    stribeck: str
+    polynomial: str
+    by: str
+
+
+WORD, SET, FORCE, NONE = "its own word", "set in each step", "a force", "not at all"
+TOLD = (
+    Told(
+        "mujoco",
+        SET,
+        SET,
+        WORD,
+        "frictionloss by a callback of passive forces; damping of three numbers (contact: a force)",
+    ),
+    Told("pybullet", SET, SET, FORCE, "force of the velocity motor; lateralFriction"),
+    Told("dart", SET, SET, FORCE, "setCoulombFriction"),
+    Told(
+        "rapier", SET, SET, FORCE, "frictionloss of the file, so a new world for each level; friction of the colliders"
+    ),
+    Told("drake", SET, SET, FORCE, "CoulombFriction of both surfaces, which are assigned anew"),
+    Told("physx", WORD, SET, FORCE, "staticFrictionEffort and dynamicFrictionEffort; its viscous part is linear"),
+    Told("newton", SET, SET, FORCE, "joint_friction, and notify_model_changed"),
+    Told("mjx", SET, NONE, NONE, "dof_frictionloss in the scan; polynomials are dropped without a word"),
+    Told("warp", SET, NONE, NONE, "dof_frictionloss in a kernel of its own before the step"),
+)
+"""On the law route all three are one force, in each engine within whose steps something can be called."""
+
 STIFFNESS, STEP, MASS, DAMPING = 4500.0, 4e-3, 1.0, 20.0
 """A robot's servo: N/m, s, kg, N s/m."""
 

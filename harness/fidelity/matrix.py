@@ -249,6 +249,8 @@ _BODIES: dict[str, tuple[Variant, ...]] = {
     ),
 }
 """Settings that bodies with six freedoms are run with, where they are not just what ships and what is tuned."""
+_CURVES = (_SHIPPED_ALONE, _TUNED)
+"""Settings that belts with a curve of friction are run with."""
 EFFORT_SCENARIOS = ("free-decay", "hold-50")
 """Of the suite, which effort is looked at beside holds that slide first."""
 
@@ -339,13 +341,15 @@ class Matrix:
     def _parts(
         self, engine: Engine, route: Route, sliders: Sliders
     ) -> Iterator[tuple[Variant, Mapping[str, Scenario]]]:
-        """Settings, each with the scenarios that are run with it: the suite's, those of effort, bodies."""
+        """Settings, each with the scenarios that are run with it: the suite's, those of effort, bodies, curves."""
         scenarios = suite(route, sliders)
         yield from ((variant, scenarios) for variant in variants(engine.name, route))
         trained = suite(route, sliders, "trained") | {name: scenarios[name] for name in EFFORT_SCENARIOS}
         yield from ((variant, trained) for variant in effort_variants(engine.name, route))
         if engine.bodies and (bodies := suite(route, sliders, "bodies")):
             yield from ((variant, bodies) for variant in _BODIES.get(engine.name, _LAW))
+        if engine.calls:
+            yield from ((variant, suite(route, sliders, "laws")) for variant in _CURVES)
 
     def _steps(self, variant: Variant) -> tuple[float | None, ...]:
         if self.short:

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from harness.core.errors import HarnessError, InputError
-from harness.core.scenario import Belt, Body, Harmonic, Hold, Scenario
+from harness.core.scenario import Belt, Body, CurveBelt, Harmonic, Hold, Scenario
 from harness.core.slider import Slider
 from harness.core.trajectory import Trajectory
 from harness.engines.base import Engine, Preset, Route, Task
@@ -30,7 +30,7 @@ def describe(scenario: Scenario) -> dict[str, Any]:
 
 
 _ACTIONS: dict[str, type[Harmonic | Hold | Belt | Body]] = {
-    kind.__name__: kind for kind in (Harmonic, Hold, Belt, Body)
+    kind.__name__: kind for kind in (Harmonic, Hold, Belt, CurveBelt, Body)
 }
 
 
@@ -110,7 +110,7 @@ class Bundle:
 def run_rows(engine: Engine, specs: Sequence[Spec]) -> list[SweepRow]:
     """Simulate at once and measure; whatever goes wrong becomes the ``error`` of a row."""
     try:
-        traces = engine.simulate_all([task(spec) for spec in specs])
+        traces = engine.simulate_all([task(engine, spec) for spec in specs])
     except Exception as error:  # one bundle never stops the others
         return [failed(spec, _reason(error)) for spec in specs]
     return [_measured(spec, trace) for spec, trace in zip(specs, traces, strict=True)]
@@ -134,8 +134,8 @@ def _reason(error: Exception) -> str:
     return str(error) if isinstance(error, HarnessError) else f"internal error, {type(error).__name__}: {error}"
 
 
-def task(spec: Spec) -> Task:
-    return Task(spec.scenario, spec.route, spec.base, spec.dt, dict(spec.changed))
+def task(engine: Engine, spec: Spec) -> Task:
+    return engine.task(spec.scenario, spec.route, spec.base, spec.dt, dict(spec.changed))
 
 
 def measure_row(trace: Trajectory, scenario: Scenario) -> Metrics:

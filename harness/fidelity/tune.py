@@ -279,7 +279,7 @@ class Trial:
 
     def _wall(self, spec: Spec) -> float:
         try:
-            return self.engine.simulate(task(spec)).source.wall_s or math.inf
+            return self.engine.simulate(task(self.engine, spec)).source.wall_s or math.inf
         except HarnessError:
             return math.inf
 

@@ -16,6 +16,9 @@ from harness.core.slider import PAPER, Slider
 from harness.core.trajectory import Trajectory
 from harness.engines.base import PRESETS, ROUTES, Task
 from harness.exact.decay import free_decay
+from harness.fidelity.kind import OWN, kind_of, suite
+from harness.fidelity.laws import NONE, TOLD, WORD
+from harness.fidelity.row import measure_row
 
 ALL = [(name, route, preset) for name, route in TABLE for preset in PRESETS]
 each = pytest.mark.parametrize(("name", "route", "preset"), ALL)
@@ -146,13 +149,31 @@ def test_tuned_holds_a_static_load(name: str, route: str, share: float) -> None:
 def test_break_away_above_sliding_friction_gives_the_stick_slip_period(name: str, route: str) -> None:
     # the exact period of this belt is 0.6658 s
     scenario = Scenario("belt", Slider(1.0, 0.2, 100.0, 3.0, 4.0), 0.0, 0.1, 5.0, Belt(0.1))
-    trace = run(name, Task(scenario, route, "tuned", 5e-4))  # type: ignore[arg-type]
+    trace = run(name, Task(scenario, route, "tuned", 1e-3))  # type: ignore[arg-type]
     assert trace.mode is not None
     stuck = trace.mode == Mode.STICK
     leaves = trace.t[np.flatnonzero(stuck[:-1] & ~stuck[1:])]
     leaves = leaves[np.diff(leaves, prepend=0.0) > 0.1]
     assert np.mean(np.diff(leaves[1:])) == pytest.approx(0.6658, abs=1.5e-3)
     assert np.abs(trace.v[stuck & (trace.t > 2.0)] - 0.1).max() < 2e-3
+
+
+@each_route
+def test_curves_of_friction_give_the_stick_slip_period_or_are_refused(name: str, route: str) -> None:
+    told = next((one for one in TOLD if one.engine == name), None)
+    for scenario in suite(route, OWN, "laws").values():  # type: ignore[arg-type]
+        task = engine(name).task(scenario, route, "tuned", 2e-3)  # type: ignore[arg-type]
+        if told is not None and route == "joint" and "polynomial" in scenario.name:
+            assert (told.polynomial == WORD) == (task.words is not None and task.law.force is None)  # type: ignore[union-attr]
+        if told is not None and told.stribeck == NONE:
+            with pytest.raises(SimulationError, match="no force laws"):
+                run(name, task)
+            continue
+        found, exact = measure_row(run(name, task), scenario), kind_of(scenario).answers(scenario)
+        # the level is that of a step's start; a force as a whole is held over the step
+        assert found["period_s"] == pytest.approx(exact["period_s"], rel=2.5e-3)
+        assert found["stick_fraction"] == pytest.approx(exact["stick_fraction"], abs=3e-3)
+        assert found["stick_deviation_m_s"] < 3e-4 * 0.1  # type: ignore[operator]
 
 
 @each_off_floor

@@ -24,8 +24,9 @@ from harness.app.sweep.sweep import SweepOptions, engines_for, sweep
 from harness.cli.main import run
 from harness.core.errors import InputError, SimulationError
 from harness.engines import registry
-from harness.engines.base import Drive, Engine, Task
+from harness.engines.base import Engine, Task
 from harness.engines.elsewhere.remote import Worker
+from harness.engines.forces import Drive
 from harness.proof.engine_source import engine_motion
 from harness.proof.plant.model import base_model
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from engine_cases import CALLING, INSTALLED, JOINTED, OFF_FLOOR, TABLE, decay, engine
+from engine_cases import CALLING, INSTALLED, JOINTED, OFF_FLOOR, TABLE, decay, engine, short
 from scipy.integrate import solve_ivp
 
 from harness.core.arrays import FloatArray
@@ -14,8 +14,9 @@ from harness.core.errors import InputError, SimulationError
 from harness.core.events import Mode
 from harness.core.jit import compiled
 from harness.core.scenario import Harmonic, Hold, Scenario
-from harness.core.slider import PAPER, Slider
-from harness.engines.base import Drive, ForceLaw, Task
+from harness.core.slider import Slider
+from harness.engines.base import Task
+from harness.engines.forces import Drive, ForceLaw
 from harness.exact.decay import free_decay
 
 FREE = Slider(1.0, 1.0, 100.0, 0.0)
@@ -178,10 +179,11 @@ def test_break_away_without_sliding_friction(name: str) -> None:
         assert trace.a[-1] == pytest.approx(expected, abs=1e-4)
 
 
-def test_a_level_that_depends_on_the_state_is_refused_by_mujocos_contact() -> None:
-    law = ForceLaw(level=stribeck, params=np.array([3.0, 5.0, 0.3]))
-    with pytest.raises(SimulationError, match="on the contact route the level of friction is a constant coefficient"):
-        engine("mujoco").simulate(Task(decay(PAPER, 0.1), "contact", law=law))
+def test_a_level_that_depends_on_the_state_is_the_coefficient_of_mujocos_contact() -> None:
+    law = ForceLaw(level=stribeck, params=np.array([0.3, 1.2, 0.3]))
+    slides, rubs = (engine("mujoco").simulate(short(route, law=law)) for route in ("contact", "joint"))
+    plain = engine("mujoco").simulate(short("contact"))
+    assert np.abs(slides.x - rubs.x).max() < 0.1 * np.abs(plain.x - rubs.x).max()
 
 
 def test_an_engine_within_whose_steps_nothing_can_be_called_says_so() -> None:

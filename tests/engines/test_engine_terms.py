@@ -5,7 +5,7 @@ import pytest
 from engine_cases import CALLING, engine
 
 from harness.core.errors import SimulationError
-from harness.engines.base import Drive
+from harness.engines.forces import Drive
 from harness.engines.joint_words import JOINT, elements, words_of
 from harness.engines.realise import task_of
 from harness.engines.simulator import EngineSimulator

@@ -6,10 +6,13 @@ from scipy.integrate import solve_ivp
 
 from harness.core.errors import InputError
 from harness.core.events import EventKind, Mode
-from harness.core.scenario import Hold
+from harness.core.scenario import CurveBelt, Hold
 from harness.core.slider import PAPER, Slider
 from harness.exact.belt import LimitCycle, SteadySliding, limit_cycle
+from harness.exact.curve_belt import curve_cycle
 from harness.exact.decay import creep
+from harness.kernels.solve import Drive, simulate
+from harness.model.model import Model, ModelTerm
 
 CHECKED = Slider(m=1.0, c=0.2, k=100.0, f_k=3.0, f_s=4.0)
 
@@ -111,3 +114,43 @@ def test_belt_and_hold_refuse_what_they_are_not_for() -> None:
     with pytest.raises(InputError, match=r"hold: force: 3.5 N; expected a load of at most f_s = 3 N"):
         creep(PAPER, Hold(3.5))
     assert creep(PAPER, Hold(-2.91)) == 0.0
+
+
+def test_a_belt_with_a_curve_moves_as_the_event_driven_reference() -> None:
+    rng = np.random.default_rng(5)
+    for number in range(6):
+        f_k = float(rng.uniform(1.0, 4.0))
+        slider = Slider(
+            rng.uniform(0.5, 3), rng.uniform(0, 0.4), rng.uniform(80, 300), f_k, f_k * rng.uniform(1.2, 1.6)
+        )
+        drop = slider.break_away - f_k
+        speed = float(drop / slider.k * slider.omega_n * rng.uniform(0.5, 1.2))
+        c_2 = 0.03 * drop / speed**2 if number % 2 else 0.0
+        belt = CurveBelt(speed, speed * float(rng.uniform(0.3, 1.0)), c_2)
+        cycle = curve_cycle(slider, belt)
+        assert isinstance(cycle, LimitCycle)
+        # in the belt's frame the spring's end moves back; the catalogue's terms say the curve
+        terms = [ModelTerm.named("stribeck", f_s=slider.break_away, v_s=belt.v_s)]
+        terms += [ModelTerm.named("quadratic-drag", c2=c_2)] if c_2 else []
+        start = cycle.stick_x + 0.5 * speed * cycle.stick_time
+        model = Model(slider.m, slider.c, slider.k, f_k, x0=start).with_terms(*terms)
+        until = 3.0 * cycle.period
+        force = [-slider.c * speed, -slider.c * speed - slider.k * speed * until]
+        t = np.linspace(0.0, until, 200)
+        moved = simulate(model, t, Drive(np.array([0.0, until]), np.array(force)))
+        ahead = cycle.slip_time + 0.5 * cycle.stick_time
+        np.testing.assert_allclose(moved.x + speed * t, cycle.sample(t + ahead).x, atol=1e-8)
+        leaves = moved.events.of(EventKind.BREAK_AWAY).t
+        np.testing.assert_allclose(np.diff(leaves), cycle.period, rtol=1e-8)
+
+
+def test_a_steep_curve_is_the_jump_and_a_flat_one_ends_stick_slip() -> None:
+    jump = limit_cycle(CHECKED, 0.1)
+    assert isinstance(jump, LimitCycle)
+    off = []
+    for v_s in (1e-3, 5e-4):
+        steep = curve_cycle(CHECKED, CurveBelt(0.1, v_s))
+        assert isinstance(steep, LimitCycle)
+        off.append(abs(steep.period / jump.period - 1.0))
+    assert off[1] < 0.8 * off[0] < 0.01
+    assert curve_cycle(CHECKED, CurveBelt(0.1, 0.05, 100.0)).why == "the slip stays slower than the belt"  # type: ignore[union-attr]

@@ -19,7 +19,7 @@ from harness.core.recording import Recording
 from harness.core.scenario import Scenario
 from harness.core.trajectory import Trajectory
 from harness.engines import model_files, models
-from harness.engines.base import Engine, Preset, Task
+from harness.engines.base import Engine, Preset
 from harness.engines.simulator import EngineSimulator
 from harness.estimate.every import estimate_all
 from harness.estimate.result import Estimation
@@ -62,7 +62,7 @@ class SuiteCase:
 
     def simulated(self, engine: Engine, preset: Preset, dt: float | None) -> Trajectory:
         """The motion in an engine; dt in s, None for the preset's own. Raises SimulationError."""
-        return engine.simulate(Task(self._scenario, self._kind.routes[0], preset, dt))
+        return engine.simulate(engine.task(self._scenario, self._kind.routes[0], preset, dt))
 
     def metrics(self, trajectory: Trajectory) -> Metrics:
         """The distance from the exact motion, and what the scenario is about."""

@@ -5,7 +5,6 @@ A trace has the engine's motion and the exact one over each other, and the row c
 
 import heapq
 import re
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ from harness.app.shared.progress import SILENT, Progress
 from harness.app.sweep.sweep import PAGE, RESULT, TRACES, Sweep, SweepOptions, engines_for
 from harness.core.errors import InputError
 from harness.core.writing import explained
+from harness.engines.base import Engine
 from harness.fidelity.kind import kind_of
 from harness.fidelity.row import Spec, describe, measure_row, scenario_of, task
 from harness.fidelity.scores import Card, badness, cards, settings_of
@@ -102,7 +102,7 @@ def keep_worst(result: Sweep, options: SweepOptions, progress: Progress = SILENT
             place, row = found
             progress("traces written", len(written), len(places))
             name = f"{place:03d}-{re.sub(r'[^A-Za-z0-9.-]+', '-', row['name'])[:120]}.rrd"
-            write_row_trace(folder / name, engines[spec.engine].simulate, spec, row)
+            write_row_trace(folder / name, engines[spec.engine], spec, row)
             written[row["name"]] = name
     return written
 
@@ -129,9 +129,9 @@ def _by_badness(entry: _Ranked) -> tuple[float, str]:
     return entry[0], entry[1]
 
 
-def write_row_trace(path: Path, simulate: Callable[..., Any], spec: Spec, row: dict[str, Any]) -> None:
+def write_row_trace(path: Path, engine: Engine, spec: Spec, row: dict[str, Any]) -> None:
     """Write one row's motion with the exact one; raises StoreError, SimulationError."""
-    trace = simulate(task(spec))
+    trace = engine.simulate(task(engine, spec))
     exact = kind_of(spec.scenario).exact(spec.scenario, trace.t)
     notes = "\n".join(
         [f"# {row['engine']} {row['version']}, {row['scenario']}", "", settings_of(row), ""]

@@ -9,7 +9,8 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.core.scenario import Harmonic, Hold
 from harness.engines import models
-from harness.engines.base import ForceLaw, Task
+from harness.engines.base import Task
+from harness.engines.forces import ForceLaw
 from harness.engines.joint_words import GRAVITY, JointWords, coefficient
 from harness.engines.mujoco.callback import SLOTS, Slot
 from harness.engines.samples import belt_speed, held_at_start
@@ -23,22 +24,18 @@ class Forces:
     words : float64, shape (SLOTS,). needed : whether the callback has to be installed at all. frame : speed of the
     frame the joint lives in, m/s. switches : whether break-away lies above sliding friction. first_limit : friction
     limit at the start, N. applied, limits : what the callback records, one word a step, shape (steps + 1,).
-
-    Raises SimulationError for a level of friction that depends on the state on the contact route.
     """
 
     def __init__(self, task: Task, settings: dict[str, Any]) -> None:
         slider, law, contact = task.scenario.slider, task.law, task.route == "contact"
         own_level = law is not None and law.level is not None
-        if contact and own_level:
-            raise SimulationError("mujoco: on the contact route the level of friction is a constant coefficient")
         count = task.steps(settings["dt"]) + 1
         self._kept: list[FloatArray] = []
         self.applied: FloatArray = np.zeros(count)
         self.limits: FloatArray = np.full(count, slider.f_k)
         # on a belt the joint lives in the frame of the belt, where its friction belongs; the spring's end moves instead
         self.frame = 0.0 if contact else belt_speed(task)
-        self.switches = slider.break_away > slider.f_k
+        self.switches = slider.break_away > slider.f_k or (contact and own_level)
         stuck = self.switches and held_at_start(task, settings["dt"])
         self.first_limit = slider.break_away if stuck or slider.f_k == 0.0 else slider.f_k
         if own_level and self.first_limit == 0.0:

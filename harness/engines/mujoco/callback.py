@@ -29,7 +29,7 @@ from numba.extending import intrinsic
 
 from harness.core.errors import SimulationError
 from harness.core.jit import compiled
-from harness.engines.base import Function
+from harness.engines.forces import Function
 from harness.engines.samples import UNSATURATED
 
 FIELDS = ("qpos", "qvel", "userdata", "qfrc_passive", "qfrc_constraint", "efc_frictionloss", "iefc_frictionloss")

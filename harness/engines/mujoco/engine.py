@@ -131,11 +131,14 @@ def _rolled_out(model: Any, data: Any, steps: int) -> tuple[FloatArray, FloatArr
 
 
 def _switching(model: Any, data: Any, steps: int, task: Task, forces: Forces) -> tuple[FloatArray, FloatArray]:
-    """As _rolled_out, but with the coefficient of friction set step by step: f_s while the contact sticks, else f_k.
+    """As _rolled_out, but with the coefficient of friction set step by step: f_s while the contact sticks, else f_k, or
+    by the level of a law.
 
     Sticking is told from the friction force of the step before, which Newton's second law gives, not from a speed.
     """
-    slider = task.scenario.slider
+    slider, law = task.scenario.slider, task.law
+    level, (state, params) = (None, ((), ())) if law is None else (law.level, law.own())
+    ratio = slider.break_away / slider.f_k if slider.f_k > 0.0 else 1.0
     mu_k, mu_s = coefficient(slider), coefficient(slider, slider.break_away)
     friction = model.pair_friction
     states = np.empty((steps, mujoco.mj_stateSize(model, _STATE)))
@@ -143,6 +146,9 @@ def _switching(model: Any, data: Any, steps: int, task: Task, forces: Forces) ->
     stuck = forces.first_limit == slider.break_away
     for step in range(steps):
         mujoco.mj_getState(model, data, states[step], _STATE)
+        if level is not None:
+            mu_k = coefficient(slider, level(states[step, 0], states[step, 1], states[step, 3], state, params))
+            mu_s = ratio * mu_k
         mu = mu_s if stuck else mu_k
         friction[0, :2] = mu
         mujoco.mj_step(model, data)

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import final
 
 import numpy as np
@@ -9,10 +10,11 @@ import numpy as np
 from harness.core.arrays import FloatArray, IntArray
 from harness.core.errors import InputError
 from harness.core.events import Mode
-from harness.core.scenario import Belt, Scenario
+from harness.core.scenario import Belt, CurveBelt, Scenario
 from harness.core.slider import Slider
 from harness.core.trajectory import Trajectory
 from harness.exact.belt import LimitCycle, limit_cycle
+from harness.exact.curve_belt import curve_cycle
 from harness.fidelity import kind as suite
 from harness.fidelity.metrics import falling
 
@@ -95,7 +97,14 @@ PERIODS = 8
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BeltKind(suite.Kind):
-    """Eight periods of stick-slip, started half way through a stick."""
+    """Eight periods of stick-slip, started half way through a stick.
+
+    v_s : of a Stribeck curve, over the belt's speed; 0 for friction that jumps from f_s to f_k. viscous : what c_2 u|u|
+    is at the speed of the belt over f_s - f_k; c_3 u^3 is 0.4 of it.
+    """
+
+    v_s: float = 0.0
+    viscous: float = 0.0
 
     def of_suite(self, sliders: suite.Sliders, scale: float) -> Scenario:
         """See Kind.of_suite; the motion is slow enough for a box, so that it is the same on every route."""
@@ -106,9 +115,17 @@ class BeltKind(suite.Kind):
 
         Raises InputError when the slider does not stick and slip at this speed.
         """
-        cycle = cycle_of(slider, speed)
+        belt = self._belt(slider, speed)
+        cycle = cycle_of(slider, belt)
         start = cycle.stick_x + 0.5 * speed * cycle.stick_time
-        return Scenario(self.name, slider, start, speed, periods * cycle.period, Belt(speed))
+        return Scenario(self.name, slider, start, speed, periods * cycle.period, belt)
+
+    def _belt(self, slider: Slider, speed: float) -> Belt:
+        if not self.v_s:
+            return Belt(speed)
+        part = self.viscous * (slider.break_away - slider.f_k)
+        c_2, c_3 = suite.plain(part / speed**2), suite.plain(0.4 * part / speed**3)
+        return CurveBelt(speed, suite.plain(self.v_s * speed), c_2, c_3)
 
     def chosen(self, given: Mapping[str, float]) -> Scenario:
         suite.only(self.name, given, (*suite.VALUES, "duration"))
@@ -117,7 +134,7 @@ class BeltKind(suite.Kind):
 
     def exact(self, scenario: Scenario, t: FloatArray) -> Trajectory:
         speed = belt_speed(scenario)
-        cycle = cycle_of(scenario.slider, speed)
+        cycle = cycle_of(scenario.slider, belt_of(scenario))
         waited = (scenario.x0 - cycle.stick_x) / speed
         if scenario.v0 != speed or not 0.0 <= waited <= cycle.stick_time:
             raise InputError("belt", "a start that does not ride with the belt", "a start within the stick")
@@ -126,12 +143,11 @@ class BeltKind(suite.Kind):
         return replace(found, t=t, events=replace(found.events, t=found.events.t - ahead))
 
     def answers(self, scenario: Scenario) -> suite.Answers:
-        speed = belt_speed(scenario)
-        cycle = cycle_of(scenario.slider, speed)
+        cycle = cycle_of(scenario.slider, belt_of(scenario))
         return {
             "period_s": cycle.period,
             "stick_fraction": cycle.stick_fraction,
-            "near_belt_fraction": cycle.fraction_within(NEAR * speed),
+            "near_belt_fraction": cycle.fraction_within(NEAR * cycle.belt_speed),
             "amplitude_m": cycle.amplitude,
             "stick_deviation_m_s": 0.0,
         }
@@ -140,15 +156,20 @@ class BeltKind(suite.Kind):
         return measure_belt(trace, belt_speed(scenario))
 
 
+def belt_of(scenario: Scenario) -> Belt:
+    assert isinstance(scenario.action, Belt)
+    return scenario.action
+
+
 def belt_speed(scenario: Scenario) -> float:
     """Speed of the belt, m/s."""
-    assert isinstance(scenario.action, Belt)
-    return scenario.action.speed
+    return belt_of(scenario).speed
 
 
-def cycle_of(slider: Slider, speed: float) -> LimitCycle:
+@lru_cache(maxsize=64)
+def cycle_of(slider: Slider, belt: Belt) -> LimitCycle:
     """The exact cycle; raises InputError with the reason when there is none."""
-    cycle = limit_cycle(slider, speed)
+    cycle = curve_cycle(slider, belt) if isinstance(belt, CurveBelt) else limit_cycle(slider, belt.speed)
     if not isinstance(cycle, LimitCycle):
         raise InputError("belt", f"no stick-slip ({cycle.why})", "a slider with f_s > f_k on a slow belt")
     return cycle
@@ -166,3 +187,16 @@ BELT = BeltKind(
     ),
 )
 """Stick-slip on a belt."""
+
+STRIBECK_BELT, POLYNOMIAL_BELT = (
+    BeltKind(
+        name=name,
+        place=place,
+        part="laws",
+        v_s=0.5,
+        viscous=viscous,
+        figures=BELT.figures,
+    )
+    for name, place, viscous in (("stribeck-belt", 8, 0.0), ("polynomial-belt", 9, 0.04))
+)
+"""Friction that falls from f_s with the sliding speed; the same with a polynomial of that speed beside it."""

@@ -17,6 +17,7 @@ from harness.show import blocks as b
 from harness.show.numbers import number
 from harness.show.plots import Trace, axes, dots, plain
 from harness.show.report.bodies import bodies_section
+from harness.show.report.curves import curves_section
 from harness.show.report.effort import effort_section, efforts
 from harness.show.report.glance import STEPS, glance_section, glances
 from harness.show.sentences.sweep import about, sentences
@@ -99,6 +100,7 @@ def sweep_sections(
         _creep(alike, engines),
         *([_lift(lifting, engines)] if lifting else []),
         *bodies_section(every, engines.name, engines.color),
+        *curves_section(every, engines.table),
         *effort_section(effort, engines.name),
         *([_worst(worst, engines)] if worst else []),
         _servos(),
