@@ -13,6 +13,7 @@ from harness.diagnosis.fit.standard_errors import base_parameters
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.parameters import free_of, values_of, with_values
 from harness.diagnosis.pipeline import diagnose, fit_base, prepare, prepare_together
+from harness.diagnosis.pooling.pooled import shared_by
 from harness.diagnosis.problems.simulated import observe
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.request import Asked
@@ -128,6 +129,15 @@ def test_one_machine_is_pooled(alike: Together) -> None:
     assert outcome.pooled.compared.chance > POOLED.value
     assert outcome.pooled.own == ()
     assert "pooled" in outcome.problem.choices[0]
+
+
+def test_damping_that_differs_much_is_each_ones_own() -> None:
+    """From where all are alike no fit of several gets there: each begins where it ends alone."""
+    machines = [replace(BASE, c=c) for c in (0.09, 0.15, 0.29)]
+    based = fit_base(together([seen(one, 0.1 - 0.01 * i, 0.0, 2e-4, i, until=8.0) for i, one in enumerate(machines)]))
+    found = shared_by(based.problem, based.fit, based.scales)
+    assert found.own[0] == "c"
+    assert found.base.chi2 < 1.1 * found.base.points
 
 
 @pytest.fixture(scope="module")

@@ -12,6 +12,7 @@ import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy.special import chdtrc, fdtrc
@@ -111,6 +112,7 @@ def _differences(each: Sequence[Alone], kind: int) -> tuple[float, int]:
     return chi2, int(np.sum(np.maximum(seen - 1, 0)))
 
 
+_PHYSICS = ("c", "k", "f_k")
 CANDIDATES = ("m", "k", "c", "f_k")
 SAID = {"m": "inertia", "k": "stiffness", "c": "viscous damping", "f_k": "dry friction"}
 """What may differ, and what it is called."""
@@ -126,10 +128,10 @@ class Freed:
     gain: float
 
 
-def freed(found: Fit, problem: Together, scales: Scales, ratios: Sequence[float]) -> list[Freed]:
+def freed(found: Fit, problem: Together, scales: Scales, alone: Sequence[Model] = ()) -> list[Freed]:
     """Every parameter that may differ, alone, most evidence first.
 
-    ratios : of each further recording's stiffness per mass over the first's, as the base fits alone say.
+    alone : the base model of each recording by itself, from which it is begun too.
     """
     words = words_of(Strokes.between(problem.turns(found.shown.v), problem.t.size))
     seen = []
@@ -137,18 +139,18 @@ def freed(found: Fit, problem: Together, scales: Scales, ratios: Sequence[float]
         if stem in problem.starts.own or stem not in ("m", *problem.physics):
             continue
         with suppress(SimulationError):
-            better = _fitted(found, problem, scales, stem, ratios)
-            more = len(ratios)
+            better = _fitted(found, problem, scales, stem, alone)
+            more = len(problem.starts.stretches) - 1
             gain = evidence(found.chi2, better.chi2, words, more, float(len(CANDIDATES)))
             seen.append(Freed(stem, problem.with_own((*problem.starts.own, stem)), better, gain))
     return sorted(seen, key=lambda one: -one.gain)
 
 
-def _fitted(found: Fit, problem: Together, scales: Scales, stem: str, ratios: Sequence[float]) -> Fit:
+def _fitted(found: Fit, problem: Together, scales: Scales, stem: str, alone: Sequence[Model]) -> Fit:
     best: Fit | None = None
     why: SimulationError | None = None
-    for model in _begun(found.model, stem, ratios):
-        names = [named(stem, r) for r in range(1, len(ratios) + 1)]
+    names = [named(stem, r) for r in range(1, len(problem.starts.stretches))]
+    for model in _begun(found.model, problem, stem, alone):
         try:
             one = fit(model, problem, free_of(model, (*base_of(found.free), *names)), scales, thorough=False)
         except SimulationError as error:
@@ -161,15 +163,33 @@ def _fitted(found: Fit, problem: Together, scales: Scales, stem: str, ratios: Se
     return best
 
 
-def _begun(model: Model, stem: str, ratios: Sequence[float]) -> list[Model]:
-    """From where all are alike, and from where the frequencies that are seen alone would come of this parameter."""
-    value = float(getattr(model, stem))
-    alike = [value] * len(ratios)
-    moved = {"m": [value / ratio for ratio in ratios], "k": [value * ratio for ratio in ratios]}.get(stem, alike)
-    tries = [alike] if np.array_equal(alike, moved) else [alike, moved]
-    return [_having(model, stem, values) for values in tries]
+def _begun(model: Model, problem: Together, stem: str, alone: Sequence[Model]) -> list[Model]:
+    """From where all are alike, and from where the recordings end alone."""
+    further = (one.having(**{stem: float(getattr(model, stem))}) for one in model.elsewhere)
+    alike = replace(model, elsewhere=tuple(Elsewhere(one.values) for one in further))
+    return [alike, begun_apart(model, (*problem.own_names, stem), alone)] if alone else [alike]
 
 
-def _having(model: Model, stem: str, values: Sequence[float]) -> Model:
-    further = [one.having(**{stem: v}) for one, v in zip(model.elsewhere, values, strict=True)]
-    return replace(model, elsewhere=tuple(Elsewhere(one.values) for one in further))
+def begun_apart(model: Model, stems: Sequence[str], each: Sequence[Model]) -> Model:
+    """A model that begins where recordings end alone: with these numbers their own, and the median of what is shared.
+
+    Numbers of laws too: beside what recordings differ in, those of all together are far from any of them.
+    """
+    own = [{stem: float(getattr(one, stem)) for stem in stems} for one in each]
+    if "m" in stems and each[0].k > 0.0:
+        # alone each is per unit of its own mass, which its frequency tells
+        own = [{**values, "m": each[0].k / one.k * one.m} for values, one in zip(own, each, strict=True)]
+    first: dict[str, Any] = own[0]
+    elsewhere = tuple(Elsewhere(tuple(values.items())) for values in own[1:])
+    return replace(median_of(model, each), elsewhere=elsewhere, **first)
+
+
+def median_of(model: Model, others: Sequence[Model]) -> Model:
+    """A model with the physics of others, every number of it and of its laws their median."""
+    base: dict[str, Any] = {stem: float(np.median([getattr(other, stem) for other in others])) for stem in _PHYSICS}
+    terms = []
+    for entry in model.terms:
+        same = [one.values for other in others for one in other.terms if one.term is entry.term]
+        values = tuple(np.median(same, axis=0).tolist()) if same else entry.values
+        terms.append(replace(entry, values=values))
+    return replace(model, terms=tuple(terms), **base)

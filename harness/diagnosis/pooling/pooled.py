@@ -21,6 +21,7 @@ from harness.diagnosis.search.extend import extend, settle
 from harness.diagnosis.search.search import Search, noise_of, under
 from harness.kernels.solve import Scales
 from harness.model.elsewhere import named
+from harness.model.model import Model
 
 S = TypeVar("S", bound=Together | ForcesTogether)
 
@@ -51,10 +52,9 @@ def _less(found: Pooled[Together], one: Freed) -> Pooled[Together]:
     return replace(found, problem=problem, base=settle(under(one.fit, problem), problem, found.scales))
 
 
-def ratios_of(seen: Compared) -> list[float]:
-    """Stiffness per mass of each further recording over the first's."""
-    each = [one.fit.model.k / one.fit.model.m for one in seen.alone]
-    return [k / each[0] if each[0] > 0.0 else 1.0 for k in each[1:]]
+def models_of(seen: Compared) -> list[Model]:
+    """The base model of each recording by itself."""
+    return [one.fit.model for one in seen.alone]
 
 
 def shared_by(problem: Together, base: Fit, scales: Scales) -> Pooled[Together]:
@@ -75,8 +75,8 @@ def shared_by(problem: Together, base: Fit, scales: Scales) -> Pooled[Together]:
     own = _parted(_seen(later, *baseline(later), again)).own
     found = replace(found, compared=again)
     for stem in own:
-        ratios = ratios_of(again)
-        found = _less(found, next(one for one in freed(found.base, found.problem, scales, ratios) if one.stem == stem))
+        each = freed(found.base, found.problem, scales, models_of(again))
+        found = _less(found, next(one for one in each if one.stem == stem))
     return found
 
 
@@ -91,7 +91,7 @@ def _parted(found: Pooled[Together]) -> Pooled[Together]:
     if seen.chance >= POOLED.value:
         return found
     while len(found.own) < MOST and left_by(found.base, found.problem, scales.omega, found.base) is Left.STRUCTURE:
-        best = _first(freed(found.base, found.problem, scales, ratios_of(seen)))
+        best = _first(freed(found.base, found.problem, scales, models_of(seen)))
         if best is None:
             break
         laws = extend(found.base, found.problem, scales).fits
@@ -108,10 +108,10 @@ def unmasked(found: Search, before: Pooled[Together]) -> Pooled[Together] | None
         return None
     problem, scales, best = found.problem, before.scales, found.chosen
     assert isinstance(problem, Together)
-    one = _first(freed(best, problem, scales, [1.0] * len(problem.starts.stretches[1:])))
+    one = _first(freed(best, problem, scales))
     if one is None or one.fit.bic > best.bic - DECISIVE.value:
         return None
-    base = _first(freed(before.base, before.problem, scales, ratios_of(before.compared)), one.stem)
+    base = _first(freed(before.base, before.problem, scales, models_of(before.compared)), one.stem)
     return None if base is None else _less(before, base)
 
 

@@ -16,7 +16,7 @@ from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.standard_errors import base_parameters, term_parameters
 from harness.diagnosis.parameters import free_of
 from harness.diagnosis.pooling.forces import force_alone
-from harness.diagnosis.pooling.own import SAID, Alone
+from harness.diagnosis.pooling.own import SAID, Alone, begun_apart, median_of
 from harness.diagnosis.pooling.pooled import Differs, Pooled, differences
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.forces_together import ForcesTogether
@@ -28,10 +28,8 @@ from harness.diagnosis.search.against import in_turn
 from harness.diagnosis.search.extend import extend, key_of, settle
 from harness.diagnosis.search.search import Search, noise_of, search, under
 from harness.kernels.solve import Scales
-from harness.model.elsewhere import Elsewhere
 from harness.model.model import Model
 
-_PHYSICS = ("c", "k", "f_k")
 _LAWS = 3
 """Laws that are tried with numbers of each recording's own: what recordings differ in puts another first."""
 
@@ -62,20 +60,9 @@ def _as_the_others(read: list[Alone]) -> list[Alone]:
     for i, one in enumerate(read):
         if explained and not one.explained and not isinstance(one.problem, InverseDynamics):
             with suppress(SimulationError):
-                again = _followed(one.problem, _median(one.fit.model, explained), one.scales)
+                again = _followed(one.problem, median_of(one.fit.model, explained), one.scales)
                 read[i] = min(one, again, key=lambda tried: tried.fit.chi2)
     return read
-
-
-def _median(model: Model, others: Sequence[Model]) -> Model:
-    """A model with the physics of others, every number of it and of its laws their median."""
-    base: dict[str, Any] = {stem: float(np.median([getattr(other, stem) for other in others])) for stem in _PHYSICS}
-    terms = []
-    for entry in model.terms:
-        same = [one.values for other in others for one in other.terms if one.term is entry.term]
-        values = tuple(np.median(same, axis=0).tolist()) if same else entry.values
-        terms.append(replace(entry, values=values))
-    return replace(model, terms=tuple(terms), **base)
 
 
 def own_of_each(found: Search, before: Pooled[Together]) -> tuple[Search, Pooled[Together]]:
@@ -139,11 +126,7 @@ def _jointly(model: Model, problem: Together, scales: Scales, alone: Sequence[Al
     """A model fitted to all, begun where each recording ends alone: with its own numbers, and the median of what
     is shared. Numbers of laws too: beside what recordings differ in, those of all together are far from any of them.
     """
-    each = [one.fit.model for one in alone]
-    own = [{stem: float(getattr(m, stem)) for stem in problem.own_names} for m in each]
-    first: dict[str, Any] = own[0]
-    elsewhere = tuple(Elsewhere(tuple(values.items())) for values in own[1:])
-    begun = replace(_median(model, each), **first, elsewhere=elsewhere)
+    begun = begun_apart(model, problem.own_names, [one.fit.model for one in alone])
     return fit(begun, problem, free_of(begun, problem.base_names), scales)
 
 
