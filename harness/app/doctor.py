@@ -62,7 +62,7 @@ def _engines() -> list[Check]:
         needed = f"simulations in {name}" + ("" if f"engine {name}" in required else " (optional)")
         remedy = _REMEDY.get(name, f"pip install {name}")
         if name == "pybullet" and sys.version_info >= registry.NO_PYBULLET:
-            remedy = "use Python 3.11: PyBullet has no wheel above it; or build it from source: pip install pybullet"
+            remedy = f"no wheel above Python 3.11; {_ELSEWHERE.format('pybullet', 'pybullet')}"
         found = partial(lambda one: f"version {registry.load(one).version()}", name)
         checks.append(_tried(f"engine {name}", needed, remedy, found))
     return checks

@@ -4,6 +4,7 @@ import re
 import shlex
 import tomllib
 from pathlib import Path
+from runpy import run_path
 from typing import Any
 
 import click
@@ -36,6 +37,19 @@ def test_the_workflow_runs_what_anybody_can_run() -> None:
     text = (GITHUB / "workflows" / "ci.yml").read_text(encoding="utf-8")
     assert re.findall(r"run: (\S.*)", text) == ["./.ci/run"]
     assert (CHECKOUT / ".ci" / "run").stat().st_mode & 0o111
+
+
+def test_items_of_a_release_stand_first_under_its_version(tmp_path: Path) -> None:
+    collected = run_path(str(CHECKOUT / "changes" / "collect.py"))["collected"]
+    log = "# Changelog\n\n## 0.1.0\n\n- old\n"
+    assert collected(log, "0.1.0", ["- new\n"]) == "# Changelog\n\n## 0.1.0\n\n- new\n- old\n"
+    assert collected(log, "0.2.0", ["- new"]) == "# Changelog\n\n## 0.2.0\n\n- new\n\n## 0.1.0\n\n- old\n"
+
+
+def test_every_change_is_one_item() -> None:
+    for file in (CHECKOUT / "changes").glob("*.md"):
+        text = file.read_text(encoding="utf-8")
+        assert file.name == "README.md" or re.fullmatch(r"- .+(\n  .+)*\n?", text), file.name
 
 
 def test_links_and_commands_of_contributing_are_those_of_the_project() -> None:
