@@ -10,7 +10,7 @@ import harness
 from benchmarks.draws.shared import Answer, log_uniform
 from benchmarks.robot_logs.plants import clean
 from harness.core.arrays import FloatArray
-from harness.core.errors import InputError
+from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
 from harness.core.slider import Slider
 from harness.exact.decay import Decay, free_decay
@@ -41,7 +41,7 @@ def still(seed: int, number: int) -> Answer:
     channels = {c: logged[c] for c in ("xvu" if number % 2 else "xu")}
     try:
         found = harness.diagnose(Recording(at * _STEP, channels, "log.csv", angular=True), engines=())
-    except InputError as error:
+    except (InputError, SimulationError) as error:
         return Answer(False, f"refused: {error}")
     told = found.baseline.parameters.get("f_k")
     value, stderr = (told.value, told.stderr) if told else (None, None)

@@ -11,8 +11,9 @@ from harness.core.errors import InputError
 from harness.core.quantity import Quantity
 from harness.core.recording import Recording
 from harness.core.robot.joint_log import JointLog
+from harness.estimate.rest import rests
 from harness.robot.reduction import Reduced
-from harness.robot.smooth import noise_of, rests
+from harness.robot.smooth import noise_of
 
 Pull = Literal["spring", "pendulum", "none"]
 _LOAD = 100.0

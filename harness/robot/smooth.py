@@ -1,4 +1,4 @@
-"""A log's motion on even times, low-passed alike and without delay, with its derivatives; its noise and its rests."""
+"""A log's motion on even times, low-passed alike and without delay, with its derivatives; its noise."""
 
 import math
 from collections.abc import Container
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.core.arrays import FloatArray, IntArray
+from harness.core.arrays import FloatArray
 from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
 
@@ -22,8 +22,6 @@ _MEDIAN_OF_NORMAL = 0.6745
 """Median size of a normal number of deviation one; second differences of white noise have six times its variance."""
 _STILL = 3.0
 """Times its noise within which a joint's position scatters where it stands still."""
-_NOTHING = 1e-300
-"""Of a range whose share is taken."""
 _NOWHERE = 1e-6
 """rad or m: less than the finest encoder resolves is no motion, whatever the digits of a log say."""
 
@@ -51,26 +49,6 @@ def moves(y: FloatArray) -> bool:
 def moving(arm: Arm, log: JointLog) -> tuple[str, ...]:
     """Joints of the model that move in a log."""
     return tuple(name for name in arm.joints if name in log.position and moves(log.position[name]))
-
-
-def rests(q: FloatArray, within: float, width: int) -> tuple[IntArray, IntArray]:
-    """First and last samples (r,) between which a position (n,) stays within a range for at least ``width`` samples."""
-    from scipy.ndimage import maximum_filter1d, minimum_filter1d
-
-    flat = maximum_filter1d(q, width) - minimum_filter1d(q, width) <= within
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], flat.astype(np.int8), [0]))))
-    return np.maximum(edges[::2] - width // 2, 0), np.minimum(edges[1::2] - 1 + width // 2, q.size - 1)
-
-
-def turning(q: FloatArray, within: float, first: IntArray, last: IntArray, reach: int) -> FloatArray:
-    """Samples (r,) that a position (n,) which never rests would stay within a range, between first and last ones (r,).
-
-    It comes and goes as accelerated outside: through the range in h, through a distance d beyond it in ``reach`` more,
-    so that (1 + reach / h)^2 = 1 + d / within. One that is no further than it takes ``reach`` to come in is at rest.
-    """
-    ways = [(first, np.maximum(first - reach, 0)), (last, np.minimum(last + reach, q.size - 1))]
-    beyond = np.array([np.abs(q[there] - q[edge]) / max(within, _NOTHING) for edge, there in ways])
-    return np.asarray(np.sum(reach / np.maximum(np.sqrt(1.0 + beyond) - 1.0, 1.0), axis=0))
 
 
 @dataclass(frozen=True, slots=True)

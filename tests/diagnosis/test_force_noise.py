@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from benchmarks.draws import logs
 from harness.core.arrays import FloatArray
 from harness.core.events import EventKind, Mode
 from harness.core.recording import Recording
@@ -196,3 +197,9 @@ def test_what_noise_does_beyond_first_order_is_told() -> None:
         assert problem.force_noise is not None
         told.append(problem.force_noise.beyond)
     assert told[0] < DECISIVE.value < told[1]
+
+
+def test_a_noisy_force_moves_nothing_that_rests() -> None:
+    # a servo's axis, at rest for two fifths of the time, whose force scatters by 3 % of its friction
+    found = logs.still(9, 2)
+    assert found.right, found.said

@@ -80,9 +80,11 @@ def _beyond(base: Fit, problem: Driven, force: ForceNoise, scales: Scales) -> fl
     random, partials = np.random.default_rng(0), base.jacobian
     size = np.sqrt(np.sum(partials**2, axis=0))
     taken, _ = np.linalg.qr(partials[:, size > 0.0] / size[size > 0.0])
+    # where the slider rests its noise was taken away
+    known = problem.scatter is not None and problem.scatter.at(force.t) != 0.0
     found = []
     for _ in range(INPUT_NOISE_DRAWS.count):
-        w = force.noise.drawn(force.t.size, random)
+        w = np.where(known, 0.0, force.noise.drawn(force.t.size, random))
         u = problem.drive.u + np.interp(problem.drive.t, force.t, w)
         with suppress(SimulationError):
             disturbed = observe(base.model, replace(problem, drive=replace(problem.drive, u=u)), (), scales, COARSE).y

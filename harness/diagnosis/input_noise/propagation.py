@@ -128,9 +128,14 @@ def unknown_between(found: Fit, problem: Problem) -> float:
     The largest that is not decidedly less likely than the best, where that all is known is so.
     """
     force = problem.force_noise
-    if force is None or not force.noise.found:
+    told = Noise(0.0, found=False) if force is None else force.as_told()
+    left, bends = left_of(problem, found.shown), between(problem, told)
+    if force is None and problem.drive is not None:
+        force = force_noise(
+            found.model, found.shown, problem.t, told, problem.noise, held=problem.drive.held, between=bends
+        )
+    if force is None:
         return 0.0
-    left, bends = left_of(problem, found.shown), between(problem, force.as_told())
     off = {
         share: replace(force, between=share * bends).unlikely(problem.t, problem.noise, problem.weight, left)
         for share in (0.0, *_UNKNOWN)

@@ -101,7 +101,7 @@ class DrivenRecordings(Kind[Driven]):
         if not (based.whole.is_held and force is not None and force.noise.found and not np.any(force.start)):
             return None
         with suppress(SimulationError):
-            quiet = self._followed(replace(based.whole, force_noise=None, otherwise=()))
+            quiet = self._followed(replace(based.whole.as_recorded, force_noise=None, otherwise=()))
             alone = _alone(quiet)
             if alone.fits:
                 best, names = alone.fits[0], AMONG_NAMES.value
@@ -118,14 +118,22 @@ class DrivenRecordings(Kind[Driven]):
         """
         if not found.chosen.model.terms and found.explained:
             return None
-        share = unknown_between(found.chosen, found.problem)
-        if share == 0.0:
-            return None
-        with suppress(SimulationError):
-            again = self._followed(replace(based.whole, unknown=share, otherwise=()))
-            late = search(again.problem, again.fit, again.scales)
-            if _likely(late) < _likely(found):
-                return late, again
+        whole, known = based.whole, _likely(found.chosen, found.problem)
+        if whole.is_held:
+            # of a force that is held all is known: whether it is, its base model alone tells
+            ways = [(way, 1.0) for way in whole.other_ways if not way.is_held]
+        else:
+            ways = [(whole, unknown_between(found.chosen, found.problem))]
+        for way, share in ways:
+            if share == 0.0:
+                continue
+            with suppress(SimulationError):
+                again = self._followed(replace(way, unknown=share, otherwise=()))
+                if whole.is_held and _likely(again.fit, again.problem) >= known:
+                    continue
+                late = search(again.problem, again.fit, again.scales)
+                if _likely(late.chosen, late.problem) < known:
+                    return late, again
         return None
 
     def _other_way(self, based: Based[Driven]) -> Based[Driven] | None:
@@ -150,11 +158,10 @@ class DrivenRecordings(Kind[Driven]):
         return [only_started(model, problem, own.model, scales) for model in models]
 
 
-def _likely(found: Search) -> float:
-    """BIC of what a search has chosen under the noise it leaves, and each of its names one of many."""
-    best, problem = found.chosen, found.problem
-    names = AMONG_NAMES.value * len(best.model.terms)
-    return unlikely(best, problem) + len(best.free) * math.log(problem.points) + names
+def _likely(found: Fit, problem: Problem) -> float:
+    """BIC of a fit under the noise it leaves, and each of its names one of many."""
+    names = AMONG_NAMES.value * len(found.model.terms)
+    return unlikely(found, problem) + len(found.free) * math.log(problem.points) + names
 
 
 def _strays(base: Fit, problem: Problem) -> bool:

@@ -26,8 +26,10 @@ from harness.diagnosis.rules import DECISIVE, FORCE_HELD
 from harness.diagnosis.smoothed_state.state import Course, inverse_start
 from harness.diagnosis.starts import OneStart, Windows
 from harness.estimate.noise import Noise, channel_noise
+from harness.estimate.rest import quiet_at_rest
 from harness.estimate.saturation import within_range
 from harness.estimate.stray import stray_in
+from harness.kernels.solve import Drive
 from harness.model.model import Model, Restoring
 
 ALL_FELT = "the scatter of the force is a controller's own, which the slider has felt: none of it is noise"
@@ -135,6 +137,9 @@ def _followed(problem: Driven, course: Course, u: FloatArray, asked: Asked) -> t
         # a model without what covariates do follows nothing, and how the force acts between samples cannot be told
         return _by_force(problem, asked, course)
     noise_u = channel_noise(t, u, rests=True)
+    quiet = _quiet(problem, u, noise_u, course.longest)
+    if np.any(quiet != u):
+        problem, u = problem.less(Drive(t, u - quiet)), quiet
     if isinstance(problem.starts, Windows):
         # a first model without mass cannot be followed, nor does it say what noise does
         with suppress(SimulationError):
@@ -147,21 +152,16 @@ def _followed(problem: Driven, course: Course, u: FloatArray, asked: Asked) -> t
             problem, force, hangs = otherwise, follows, (HANGS,)
     problem = replace(problem, drive=force.drive, otherwise=force.otherwise)
     horizon = asked.horizon
-    if not force.follows:
-        horizon = HORIZON if horizon is None else horizon
-        windows = course.anew(horizon)
-        how = f"the force is fitted, and simulations run over {_said(windows)} of at most {horizon:g} s, each"
-        return InverseDynamics.of(problem, windows), (
-            f"driven: {how} restarted from the smoothed recorded state",
-            *hangs,
-            *([ACTS_HELD] if force.held else []),
-        )
+    forced = None if force.follows else _instead(problem, course, horizon or HORIZON)
+    if forced is not None:
+        return forced[0], (forced[1], *hangs, *([ACTS_HELD] if force.held else []))
     if horizon is not None:
         problem = replace(problem, starts=course.anew(horizon))
     problem = begun(problem, force.model, driven_scales(problem, force.model))
     allowed = _allowing(problem, force.model, noise_u)
     notes = [*hangs]
-    if force.held and _felt(problem, allowed, force.model):
+    if force.held and _felt(problem.as_recorded, allowed, force.model):
+        problem = problem.as_recorded
         notes.append(ALL_FELT)
     else:
         problem = allowed
@@ -169,12 +169,34 @@ def _followed(problem: Driven, course: Course, u: FloatArray, asked: Asked) -> t
         level = problem.force_noise.noise.sigma
         share = 100.0 * level / math.sqrt(float(np.mean(u**2)))
         of = f"{level:.3g} {unit_of('N', problem)} ({share:.2g} % of its rms)"
-        notes.append(f"the force's own noise, {of}, shows in the motion and is allowed for")
+        averaged = "" if problem.scatter is None else "; where the slider rests it is averaged"
+        notes.append(f"the force's own noise, {of}, shows in the motion and is allowed for{averaged}")
+    else:
+        problem = problem.as_recorded
     if not isinstance(problem.starts, Windows):
         return problem, ("driven: the whole recording is followed from one start", *notes)
     where = "between gaps of the recording" if horizon is None else f"of at most {horizon:g} s"
     how = f"the recording is followed over {_said(problem.starts)} {where}, each from a start of its own"
     return problem, (f"driven: {how}", *notes)
+
+
+def _instead(problem: Driven, course: Course, horizon: float) -> tuple[InverseDynamics, str] | None:
+    """The force, as it was recorded, to be fitted, and the sentence; None where no motion lasts enough samples."""
+    windows = course.anew(horizon)
+    forced = InverseDynamics.of(problem.as_recorded, windows)
+    how = f"the force is fitted, and simulations run over {_said(windows)} of at most {horizon:g} s, each"
+    with suppress(SimulationError):
+        # asked for here, as it is what needs samples
+        forced.measured  # noqa: B018
+        return forced, f"driven: {how} restarted from the smoothed recorded state"
+    return None
+
+
+def _quiet(problem: Driven, u: FloatArray, noise: Noise, longest: float) -> FloatArray:
+    """A force (n,), N, without its noise where the slider's position, if that is recorded, rests."""
+    if "x" not in problem.channels:
+        return u
+    return quiet_at_rest(problem.t, problem.channels["x"], u, problem.noise["x"], noise, longest)
 
 
 def _by_force(problem: Driven, asked: Asked, course: Course) -> tuple[InverseDynamics, tuple[str, ...]]:

@@ -86,10 +86,11 @@ class Driven(Forced):
     """A driven recording followed in its channels, from one start or window after window.
 
     otherwise : the drive as it acts in other ways: held between samples, smoothly or as straight lines. pulled : what
-    else may pull it back, where nobody says.
+    else may pull it back, where nobody says. scatter : what the force has lost of its noise where the slider rests.
     """
 
     otherwise: tuple[Drive, ...] = ()
+    scatter: Drive | None = None
     pulled: tuple[Restoring, ...] = ()
 
     def shows(self, model: Model, by: tuple[By, ...], scales: Scales | None, effort: Effort) -> Observation:
@@ -102,6 +103,17 @@ class Driven(Forced):
         ways = (self.drive, *self.otherwise)
         each = [replace(self, drive=way, otherwise=tuple(w for w in ways if w is not way)) for way in ways]
         return (*each[1:], *(one.pulled_by(other) for other in self.pulled for one in each))
+
+    def less(self, scatter: Drive, share: float = 1.0) -> Self:
+        """With a share of what is noise of its force taken off it, whichever way that acts."""
+        drive, *otherwise = (replace(way, u=way.u - share * scatter.at(way.t)) for way in (self.drive, *self.otherwise))
+        return replace(self, drive=drive, otherwise=tuple(otherwise), scatter=scatter)
+
+    @property
+    def as_recorded(self) -> Self:
+        """With the force as it was recorded, none of which is noise."""
+        whole = self if self.scatter is None else self.less(self.scatter, -1.0)
+        return replace(whole, scatter=None)
 
     def pulled_by(self, other: Restoring) -> Self:
         """Pulled back by something else."""

@@ -9,8 +9,9 @@ import numpy as np
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import InputError
 from harness.core.robot.joint_log import JointLog
+from harness.estimate.rest import rests, turning
 from harness.robot.arm import Arm
-from harness.robot.smooth import Band, rests, turning, white_sd
+from harness.robot.smooth import Band, white_sd
 from harness.robot.whole_arm.rules import EITHER_WAY, GUARD, LEAST_SAMPLES, RESTING, STICKS, SURE
 
 LEAST_SECONDS = 3.0
