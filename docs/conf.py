@@ -31,8 +31,9 @@ pygments_style, pygments_dark_style = "default", "github-dark"
 
 
 def contents(app: Sphinx, page: str, source: list[str]) -> None:
-    """The sections of index.md and the pages linked in each are the navigation; terms.md has those of terms. What proofs
-    missed is that of the published ones.
+    """The sections of index.md and the pages linked in each are the navigation; terms.md has those of terms.
+
+    What proofs missed is that of the published ones, now.
     """
     if page == "limits" and (HERE.parent / "reports").is_dir():
         source[0] = run_path(str(HERE / "limits.py"))["text"](source[0])
