@@ -50,6 +50,13 @@ def test_a_slider_of_the_plant_turns_where_the_closed_form_says() -> None:
         assert np.max(np.abs(x[near - 3 : near + 4])) == pytest.approx(height, abs=2e-5)
 
 
+def test_what_is_let_go_is_accelerated_at_once() -> None:
+    rig = draw_rig("free decay", np.random.default_rng(1))
+    run = rig.run(BARE)
+    x0 = rig.start[0]
+    assert run[0, 2] == pytest.approx(-rig.b[2] * x0 + math.copysign(rig.b[3], x0))
+
+
 def test_work_against_friction_is_the_energy_that_is_lost() -> None:
     b = np.array([2.0, 0.0, 50.0, 0.3, 0.0])
     for name in ("Stribeck, exponential", "load on a bearing", "friction along the way"):

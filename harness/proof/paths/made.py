@@ -142,7 +142,7 @@ def _logged(rng: Rng, rig: Rig, p: FloatArray, tables: FloatArray, about: Mappin
         total += n
         first = clean[one.channels[-1] if one.driven or one.path == CURVE else one.channels[0]]
         sigma = one.sigma[2] if one.driven or one.path == CURVE else one.sigma[1 if one.channels == "a" else 0]
-        size = float(np.var(first)) * first.size if one.path != CURVE else float(first.size)
+        size = float(np.var(first)) * first.size
         r2 = max(1.0 - 2.0 * about["loss"] / effective(one) * sigma**2 / max(size, 1e-300), 0.0)
     free = bool(rng.random() < 0.5)
     arguments = []

@@ -241,7 +241,10 @@ def _shown(
 ) -> None:  # fmt: skip
     """Place, speed, acceleration, force and work against friction, at a sample."""
     held = side == 0.0 and p[BRISTLE] == 0.0
-    _rates(s, t, u, side, held, s[X], b, p, tables, w[0])
+    net = _rates(s, t, u, side, held, s[X], b, p, tables, w[0])
+    if held and abs(net) > dry(s[X], 0.0, t, s[WORK], b, p, tables) + p[STICK]:
+        # let go at this very sample
+        _rates(s, t, u, math.copysign(1.0, net), False, s[X], b, p, tables, w[0])
     row[0], row[1], row[2], row[3], row[4] = s[X], s[V], w[0, V], u, s[WORK]
 
 

@@ -131,7 +131,7 @@ def loss(rig: Rig, p: FloatArray, tables: FloatArray = NONE) -> float:
         return math.nan
     if rig.path == CURVE:
         off = _without(run[:, 3], [run[:, 1], np.sign(run[:, 1])])
-        return 0.5 * float(np.sum((off / (rig.sigma[2] * np.abs(run[:, 3]))) ** 2))
+        return 0.5 * float(np.sum((off / rig.sigma[2]) ** 2))
     if rig.path in (AXIS, SLOW):
         return _loss_in_windows(rig, run)
     seen = shown(rig, run, p)
@@ -215,7 +215,7 @@ def spoiled(rig: Rig, clean: dict[str, FloatArray], rng: Rng) -> dict[str, Float
     for c in rig.channels:
         y = clean[c]
         if rig.path == CURVE:
-            found[c] = y if c == "v" else y * (1.0 + rig.sigma[2] * rng.standard_normal(y.size))
+            found[c] = y if c == "v" else y + rig.sigma[2] * rng.standard_normal(y.size)
             continue
         if c == "x" and rig.count:
             found[c] = np.floor(y / rig.count + 0.5) * rig.count + rig.zero
@@ -235,7 +235,8 @@ def draw_rig(path: str, rng: Rng, both: bool = False) -> Rig:
     else:
         rig = {AXIS: _axis, SLOW: _slow, DOWN: _run_down, CURVE: _curve}[path](rng)
     if path == CURVE:
-        return replace(rig, channels="vu", sigma=(1.0, 1.0, 10.0 ** rng.uniform(-3.0, -1.8)))
+        size = float(np.std(rig.run(BARE)[:, 3]))
+        return replace(rig, channels="vu", sigma=(1.0, 1.0, size * 10.0 ** rng.uniform(-3.0, -1.8)))
     return _with_sensors(rig, rng)
 
 
