@@ -11,9 +11,10 @@ from harness.core.errors import HarnessError, InputError
 from harness.core.scenario import Belt, Body, CurveBelt, Harmonic, Hold, Scenario
 from harness.core.slider import Slider
 from harness.core.trajectory import Trajectory
-from harness.engines.base import Engine, Preset, Route, Task
+from harness.engines.base import PRESETS, Engine, Preset, Route, Task
 from harness.fidelity.kind import Metrics, kind_of
 from harness.fidelity.metrics import measure_contact, recovered
+from harness.fidelity.repeats import SCENARIO, repeats
 from harness.results.sweep import SweepRow
 
 
@@ -83,6 +84,11 @@ class Spec:
         return f"{self.engine.partition('@')[0]}@{self.version}" + (f"({self.place})" if self.place else "")
 
     @property
+    def repeats(self) -> bool:
+        """Whether it is run again: one scenario as each engine ships and tuned is enough, since a run costs as much."""
+        return self.scenario.name == SCENARIO and self.preset in PRESETS and not (self.changed or self.draw)
+
+    @property
     def key(self) -> str:
         """The same for the same inputs and versions, whatever the process: 16 hex digits."""
         about = [
@@ -109,11 +115,12 @@ class Bundle:
 
 def run_rows(engine: Engine, specs: Sequence[Spec]) -> list[SweepRow]:
     """Simulate at once and measure; whatever goes wrong becomes the ``error`` of a row."""
+    tasks = [task(engine, spec) for spec in specs]
     try:
-        traces = engine.simulate_all([task(engine, spec) for spec in specs])
+        traces = engine.simulate_all(tasks)
     except Exception as error:  # one bundle never stops the others
         return [failed(spec, _reason(error)) for spec in specs]
-    return [_measured(spec, trace) for spec, trace in zip(specs, traces, strict=True)]
+    return [_measured(engine, *each) for each in zip(specs, tasks, traces, strict=True)]
 
 
 def run_row(engine: Engine, spec: Spec) -> SweepRow:
@@ -121,11 +128,12 @@ def run_row(engine: Engine, spec: Spec) -> SweepRow:
     return run_rows(engine, [spec])[0]
 
 
-def _measured(spec: Spec, trace: Trajectory | HarnessError) -> SweepRow:
+def _measured(engine: Engine, spec: Spec, asked: Task, trace: Trajectory | HarnessError) -> SweepRow:
     if isinstance(trace, HarnessError):
         return failed(spec, _reason(trace))
     try:
-        return succeeded(spec, trace, measure_row(trace, spec.scenario))
+        apart = repeats(engine, asked, trace) if spec.repeats else None
+        return succeeded(spec, trace, measure_row(trace, spec.scenario), apart)
     except Exception as error:  # one row never stops the others
         return failed(spec, _reason(error))
 
@@ -147,7 +155,7 @@ def measure_row(trace: Trajectory, scenario: Scenario) -> Metrics:
     return {name: value if value is None or math.isfinite(value) else None for name, value in found.items()}
 
 
-def succeeded(spec: Spec, trace: Trajectory, metrics: Metrics) -> SweepRow:
+def succeeded(spec: Spec, trace: Trajectory, metrics: Metrics, apart: Mapping[str, float] | None = None) -> SweepRow:
     source = trace.source
     wall = source.wall_s
     return SweepRow(
@@ -156,6 +164,7 @@ def succeeded(spec: Spec, trace: Trajectory, metrics: Metrics) -> SweepRow:
         ignored=list(source.ignored),
         integrator=integrator(source.settings),
         effort=effort(source.settings) if spec.route != "law" else None,
+        apart_m=dict(apart) if apart else None,
         dt_s=source.dt,
         metrics=metrics,
         exact=kind_of(spec.scenario).answers(spec.scenario),

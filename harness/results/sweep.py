@@ -22,6 +22,9 @@ class SweepRow(Result):
     ignored: list[str] = Field(description="what the engine does not honour, one sentence each")
     integrator: str
     effort: dict[str, int] | None = rare("of the solver: iterations, ls_iterations, where the engine has both")
+    apart_m: dict[str, float] | None = rare(
+        "largest difference of position between runs, worlds and devices; 0 is the same to the last bit"
+    )
     dt_s: float | None
     scenario: str
     slider: dict[str, float]

@@ -21,7 +21,17 @@ if TYPE_CHECKING:
     from playwright.sync_api import Browser
 
 PUBLISHED = Path(__file__).resolve().parents[2] / "reports" / "fidelity"
-OPTIONS = SweepOptions(("mujoco", "pybullet"), ("joint",), ("as-shipped", "tuned"), (2e-3, 1e-3), jobs=1, keep=2)
+EFFORTS = ("=100,ls_iterations=50", "=4,", "=1,ls_iterations=50")
+"""Those that ship, those often trained with, and what is recommended."""
+ONLY = (
+    *("/as-shipped/dt=own/", "/tuned/dt=0.001/"),
+    *(f"joint/trained/integrator=Euler,iterations{effort}" for effort in EFFORTS),
+    *(f"ratio=100,iterations{effort}" for effort in EFFORTS),
+)
+OPTIONS = SweepOptions(
+    ("mujoco", "pybullet"), ("joint", "contact"), only=ONLY, skip=("pybullet*/contact/*",), jobs=1, keep=2
+)
+"""Every section of a page: a joint, a contact, bodies, curves of friction, and effort."""
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +73,7 @@ def test_page_draws_without_an_error(swept: Sweep, browser: "Browser") -> None:
 
 
 def test_as_shipped_and_tuned_stand_beside_each_other(rows: list[dict[str, Any]]) -> None:
-    found = cards(rows)
+    found = [card for card in cards(rows) if card.route == "joint"]
     assert [(card.engine, card.preset) for card in found] == [
         ("mujoco", "as-shipped"),
         ("mujoco", "tuned"),
@@ -79,31 +89,19 @@ def test_as_shipped_and_tuned_stand_beside_each_other(rows: list[dict[str, Any]]
             assert after < before
 
 
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> Sweep:
-    """A page with every section: a joint, a contact, bodies, and effort."""
-    only = ("/as-shipped/dt=own/", "/tuned/dt=0.001/", "joint/trained/integrator=Euler,iterations", "ratio=100,it")
-    options = SweepOptions(
-        ("mujoco", "pybullet"), ("joint", "contact"), only=only, skip=("pybullet*/contact/*",), jobs=1
-    )
-    result = sweep(options, tmp_path_factory.mktemp("whole") / "out")
-    finish(result, options)
-    return result
-
-
 def matrix(result: Sweep) -> list[Glance]:
     rows = list(result.rows())
     return glances(rows, cards(rows), efforts(rows))
 
 
-def test_the_matrix_has_the_worst_of_every_engine_as_shipped_and_tuned(whole: Sweep) -> None:
-    found = matrix(whole)
+def test_the_matrix_has_the_worst_of_every_engine_as_shipped_and_tuned(swept: Sweep) -> None:
+    found = matrix(swept)
     assert [(line.card.engine, line.card.preset) for line in found] == [
         (engine, preset) for engine in ("mujoco", "pybullet") for preset in ("as-shipped", "tuned")
     ]
     columns = {"free decay": "free-decay", "hold": "hold-", "belt": "belt", "harmonic": "harmonic"}
     for line in found:
-        mine = [row for row in whole.rows() if (row["engine"], row["preset"]) == (line.card.engine, line.card.preset)]
+        mine = [row for row in swept.rows() if (row["engine"], row["preset"]) == (line.card.engine, line.card.preset)]
         for column, scenario in columns.items():
             own = [row for row in mine if row["route"] == "joint" and row["scenario"].startswith(scenario)]
             far = [distance(row, figure) for row in own for figure in figures_of(row["scenario"])]
@@ -117,8 +115,8 @@ def test_the_matrix_has_the_worst_of_every_engine_as_shipped_and_tuned(whole: Sw
     assert not {"contact", "as people train"} & set(found[2].worst)
 
 
-def test_the_page_begins_with_it_and_folds_its_other_tables(whole: Sweep, browser: "Browser") -> None:
-    page, said = open_page(browser, whole.folder / "report.html")
+def test_the_page_begins_with_it_and_folds_its_other_tables(swept: Sweep, browser: "Browser") -> None:
+    page, said = open_page(browser, swept.folder / "report.html")
     heads = page.evaluate("[...document.querySelector('table').tHead.rows[0].cells].map(cell => cell.innerText)")
     first = page.evaluate("document.querySelector('section').querySelectorAll('table').length")
     legend = page.evaluate("[...document.querySelectorAll('.legend span')].map(one => one.className)")
@@ -138,9 +136,9 @@ def test_the_page_begins_with_it_and_folds_its_other_tables(whole: Sweep, browse
 @pytest.mark.parametrize(
     ("width", "tables"), [(1280, ".scroll"), (500, ".scroll:has(.compact)"), (360, ".scroll:has(.compact)")]
 )
-def test_nothing_is_cut(whole: Sweep, browser: "Browser", width: int, tables: str) -> None:
+def test_nothing_is_cut(swept: Sweep, browser: "Browser", width: int, tables: str) -> None:
     """Of any table on a screen of 1,280 pixels, of the matrix on a phone."""
-    page, _ = open_page(browser, whole.folder / "report.html", width=width)
+    page, _ = open_page(browser, swept.folder / "report.html", width=width)
     page.evaluate("document.querySelectorAll('details').forEach(one => { one.open = true; })")
     shown = page.evaluate(f"[...document.querySelectorAll('{tables}')].map(one => one.scrollWidth - one.clientWidth)")
     beyond = page.evaluate("document.documentElement.scrollWidth")
@@ -150,9 +148,18 @@ def test_nothing_is_cut(whole: Sweep, browser: "Browser", width: int, tables: st
     assert beyond <= width
 
 
-def test_effort_is_drawn_with_what_is_recommended_and_its_cost(whole: Sweep) -> None:
-    page = (whole.folder / "report.html").read_text()
-    best = [one for one in efforts(list(whole.rows())) if one.recommended]
+def test_engines_repeat_themselves_and_friction_has_its_table(rows: list[dict[str, Any]], swept: Sweep) -> None:
+    again = {(row["name"], between): far for row in rows for between, far in (row.get("apart_m") or {}).items()}
+    assert len(again) == 6  # as shipped and tuned, on each route of both
+    assert set(again.values()) == {0.0}
+    page = (swept.folder / "report.html").read_text()
+    assert ">repeats" in page
+    assert ">Static, Stribeck and polynomial friction<" in page
+
+
+def test_effort_is_drawn_with_what_is_recommended_and_its_cost(swept: Sweep) -> None:
+    page = (swept.folder / "report.html").read_text()
+    best = [one for one in efforts(list(swept.rows())) if one.recommended]
     assert [(one.row["route"], one.effort) for one in best] == [("joint", (1, 50)), ("contact", (4, 50))]
     for one in best:
         assert f"at {number(one.steps_per_s / 1e3, 3)} thousand steps a second" in page

@@ -13,6 +13,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, ClassVar, final
 
+import numpy as np
 import pytest
 import sweep_deaths
 from dask_cluster import two_workers
@@ -27,17 +28,18 @@ from harness.app.sweep.parts import Parts, computed, failed_row
 from harness.app.sweep.sweep import SweepOptions, sweep
 from harness.cli.main import run
 from harness.core.errors import HarnessError, SimulationError, StoreError
-from harness.core.trajectory import Trajectory
+from harness.core.trajectory import Source, Trajectory
 from harness.core.writing import explained
 from harness.engines import registry
 from harness.engines.base import Engine, Preset, Route, Task
-from harness.fidelity.row import run_rows
+from harness.fidelity.repeats import repeats
+from harness.fidelity.row import run_rows, task
 from harness.results.generate import schema_text
 from harness.results.sweep import SweepResult, SweepRow
 
-PRESETS = ("as-shipped", "noslip", "stiff", "tuned", "undamped")
+PRESETS = ("as-shipped", "tuned", "undamped")
 SMALL = SweepOptions(("mujoco", "pybullet"), ("joint",), PRESETS, (2e-3,), jobs=2)
-"""Every setting of the joint route at one step, what ships at its own step too."""
+"""Settings of the joint route at one step, what ships at its own step too."""
 
 
 def rows_of(folder: Path) -> list[dict[str, Any]]:
@@ -78,6 +80,33 @@ class AtOnce(Engine):
 
     def simulate(self, task: Task) -> Trajectory:
         raise SimulationError("never")
+
+
+@final
+class Forgetful(Engine):
+    """Gives each run another place, and each world of a batch."""
+
+    name: ClassVar[str] = "mujoco"
+    package: ClassVar[str] = "mujoco"
+    batches: ClassVar[bool] = True
+    runs = 0
+
+    def presets(self, route: Route, preset: Preset, dt: float | None = None) -> dict[str, Any]:
+        return {}
+
+    def simulate(self, task: Task) -> Trajectory:
+        t = np.linspace(0.0, 1.0, 5)
+        Forgetful.runs += 1
+        return Trajectory(t, t + 1e-3 * self.runs, t, t, Source("forgetful", "tuned", settings={"device": "cpu"}))
+
+
+def test_what_does_not_repeat_itself_is_told_between_runs_worlds_and_devices() -> None:
+    spec = next(one for one in SMALL.matrix.specs({"mujoco": registry.load("mujoco")}) if one.repeats)
+    asked = task(registry.load("mujoco"), spec)
+    found = repeats(Forgetful(), asked, Forgetful().simulate(asked))
+    assert found == pytest.approx({"runs": 1e-3, "worlds": 15e-3, "devices": 18e-3})
+    for other in (replace(spec, draw=1), replace(spec, preset="stiff"), replace(spec, changed=(("dt", 1.0),))):
+        assert not other.repeats
 
 
 def test_rows_that_differ_in_their_slider_alone_go_together_to_an_engine_that_runs_many_at_once() -> None:

@@ -55,7 +55,8 @@ Row = dict[str, Any]
 FOLDER = "rows"
 AS_TEXT = ("settings", "changed", "slider", "setup")
 """Fields of free form; they are JSON text in a part."""
-AS_MAP = ("metrics", "exact")
+AS_MAP = ("metrics", "exact", "effort", "apart_m")
+"""Numbers by name; the last two are not of every row."""
 
 
 class Parts:
@@ -85,7 +86,7 @@ class Parts:
         flat = [
             row
             | {name: json.dumps(row[name], sort_keys=True) for name in AS_TEXT}
-            | {name: list(row[name].items()) for name in AS_MAP}
+            | {name: list(row[name].items()) for name in AS_MAP if row.get(name) is not None}
             for row in rows
         ]
         table = pa.Table.from_pylist(flat, schema=_schema())
@@ -139,7 +140,7 @@ def _schema() -> Any:
     kinds |= dict.fromkeys(("dt_s", "wall_s", "steps_per_s"), real)
     order = (
         "key name engine version environment route preset settings changed ignored integrator dt_s scenario slider"
-        " setup draw metrics exact samples wall_s steps_per_s error"
+        " setup draw metrics exact effort apart_m samples wall_s steps_per_s error"
     )
     return pa.schema([(name, kinds.get(name, text)) for name in order.split()])
 

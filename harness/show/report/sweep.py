@@ -34,6 +34,13 @@ _PERCENT = 100.0
 _DRAWN = 1500
 """Samples of a curve of the worst rows."""
 _UNITS = {"m_s": ("mm/s", 1e3), "m": ("mm", 1e3), "s": ("ms", 1e3)}
+_FREE = "free decay"
+_REPEATS = (
+    "the same free decay once more: in another run, in sixteen worlds of a batch, on another device, where it has them;"
+    " yes is the same to the last bit, else the largest difference of position"
+)
+_APART = (1e-12, 1e-9, 1e-6, 1e-3)
+"""m at which the colour changes."""
 _MARGIN = {"l": 70, "r": 16, "t": 64, "b": 44}
 _SILENT = (
     "These are words and settings of friction that an engine takes and does not act on, or acts on unasked. The "
@@ -138,12 +145,15 @@ def _scorecard(scored: Sequence[Card], engines: _Engines) -> b.Section:
         groups: dict[str, list[Figure]] = {}
         for scenario, figure in COLUMNS:
             if any(card.values.get(figure.label) is not None for card in lines):
-                group = "free decay" if scenario.startswith("free-decay") else "hold, belt, harmonic force"
+                group = _FREE if scenario.startswith("free-decay") else "hold, belt, harmonic force"
                 groups.setdefault(group, []).append(figure)
         for group, figures in groups.items():
+            columns = [b.Column(one.label, b.by(one, _scored), "", one.good) for one in figures]
+            if group == _FREE and any(_apart(card) for card in lines):
+                columns.append(b.Column("repeats", _repeats, hint=_REPEATS))
             table = b.tabulated(
                 "engine",
-                [b.Column(one.label, b.by(one, _scored), "", one.good) for one in figures],
+                columns,
                 lines,
                 lambda card: heads[id(card)],  # noqa: B023  (called at once)
                 lambda card: f"{card.version}, {'' if card.dt_s is None else f'{card.dt_s * 1e3:.4g} ms'}",
@@ -153,6 +163,18 @@ def _scorecard(scored: Sequence[Card], engines: _Engines) -> b.Section:
             tables.append(b.Folded(f"{title}: {group}", [table]))
             notes = []
     return b.Section("Scorecard", [b.Text(caption, "table-caption"), *tables] if tables else [])
+
+
+def _apart(card: Card) -> dict[str, float]:
+    """Largest difference of position between runs, worlds and devices, m."""
+    return next((row["apart_m"] for row in card.rows.values() if row.get("apart_m")), {})
+
+
+def _repeats(card: Card) -> b.Cell:
+    if not (apart := _apart(card)):
+        return b.Cell(number(None))
+    far = max(apart.values())
+    return b.Cell("yes" if far == 0.0 else f"{far:.0e} m", (", ".join(apart),), b.grade(far, _APART))
 
 
 def _scored(card: Card, figure: Figure) -> b.Cell:
