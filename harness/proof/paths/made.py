@@ -69,7 +69,8 @@ def made(seed: int, index: int, path: str, group: str, form: str) -> Made:
     """A recording. form : what is hidden, of its group; "" of a control. Raises SimulationError where none came out."""
     rng = np.random.default_rng([seed, 5, index])
     for _ in range(TRIES):
-        rig = draw_rig(path, rng, form in NEEDS_BOTH)
+        # one direction of a curve does not tell that two are unlike
+        rig = draw_rig(path, rng, form in NEEDS_BOTH or (path == CURVE and form.startswith("valve")))
         tables, p = NONE, BARE
         if group == CONTROL:
             return _logged(rng, rig, p, tables, {**_about(form, group), "loss": 0.0, "right": []})

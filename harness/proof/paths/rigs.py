@@ -227,13 +227,13 @@ def spoiled(rig: Rig, clean: dict[str, FloatArray], rng: Rng) -> dict[str, Float
 
 
 def draw_rig(path: str, rng: Rng, both: bool = False) -> Rig:
-    """A machine of a way. both : x and a are shown of a free decay."""
+    """A machine of a way. both : x and a are shown of a free decay, both directions of a curve."""
     if path in (DECAY, SWING, TOGETHER):
         rig = _let_go(path, rng, both)
     elif path in (SPRING, SHAKEN):
         rig = _shaken(path, rng)
     else:
-        rig = {AXIS: _axis, SLOW: _slow, DOWN: _run_down, CURVE: _curve}[path](rng)
+        rig = {AXIS: _axis, SLOW: _slow, DOWN: _run_down}[path](rng) if path != CURVE else _curve(rng, both)
     if path == CURVE:
         size = float(np.std(rig.run(BARE)[:, 3]))
         return replace(rig, channels="vu", sigma=(1.0, 1.0, size * 10.0 ** rng.uniform(-3.0, -1.8)))
@@ -351,9 +351,9 @@ def _run_down(rng: Rng) -> Rig:
     return Rig(DOWN, b, last / n, (0.0, v0), (np.zeros(n),), True, 4, channels=channels)
 
 
-def _curve(rng: Rng) -> Rig:
+def _curve(rng: Rng, both: bool) -> Rig:
     rows, top, level = int(rng.integers(12, 40)), _between(rng, 0.05, 300.0), _between(rng, 0.01, 100.0)
     spaced = np.geomspace(0.005 * top, top, rows) if rng.random() < 0.6 else np.linspace(0.03 * top, top, rows)
-    v = np.concatenate((-spaced[::-1], spaced)) if rng.random() < 0.7 else spaced
+    v = np.concatenate((-spaced[::-1], spaced)) if rng.random() < 0.7 or both else spaced
     b = np.array([1.0, level / top * rng.uniform(0.2, 1.0), 0.0, level, 0.0])
     return Rig(CURVE, b, 1.0, (0.0, 0.0), (rng.permutation(v),), True, 1)
