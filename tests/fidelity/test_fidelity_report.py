@@ -1,5 +1,6 @@
 """The page of a sweep, its scorecard, orders and conclusions; the published one."""
 
+import json
 import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +12,7 @@ from harness.app.sweep.report import finish, worst_rows
 from harness.app.sweep.sweep import Sweep, SweepOptions, sweep
 from harness.fidelity.compare import Ladder, slope
 from harness.fidelity.laws import SERVOS, WITHOUT_EFFECT
+from harness.fidelity.published import PUBLISHED as SAID
 from harness.fidelity.scores import FLOOR, LABELS, badness, cards, distance, figures_of, front, points
 from harness.show.numbers import number
 from harness.show.report.effort import efforts
@@ -229,6 +231,16 @@ def test_the_page_has_the_servos_and_the_silent_words_of_the_document() -> None:
         assert any(line.startswith(f"| {servo.who} | {servo.n} | {false} | {zeta}") for line in text.splitlines()), (
             servo
         )
+
+
+def test_what_others_publish_is_held_against_rows_of_the_baseline(swept: Sweep) -> None:
+    rows = json.loads((PUBLISHED / "baseline.json").read_text())["rows"]
+    page = (swept.folder / "report.html").read_text()
+    for one in SAID:
+        assert f'href="{one.address}"' in page
+        assert one.row in rows
+        if one.value is not None:
+            assert rows[one.row]["metrics"][one.metric] == pytest.approx(one.value, rel=0.01)
 
 
 def test_the_published_report_is_small_and_whole() -> None:

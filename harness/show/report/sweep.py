@@ -11,6 +11,7 @@ from harness.core.trajectory import Trajectory
 from harness.fidelity.kind import Figure, Row, release
 from harness.fidelity.laws import DAMPING, MASS, SERVOS, STEP, STIFFNESS, WITHOUT_EFFECT
 from harness.fidelity.matrix import TRAINED
+from harness.fidelity.published import PUBLISHED, Published
 from harness.fidelity.scores import COLUMNS, Card, badness, cards, front, points, settings_of
 from harness.results.sweep import Convergence
 from harness.show import blocks as b
@@ -111,8 +112,15 @@ def sweep_sections(
         *effort_section(effort, engines.name),
         *([_worst(worst, engines)] if worst else []),
         _servos(),
+        b.Section("What others publish", [_published(one) for one in PUBLISHED]),
         b.verdict("", [*silent, _SILENT], [one.engine for one in WITHOUT_EFFECT], "Words that do nothing"),
     ]
+
+
+def _published(one: Published) -> b.Text:
+    row = one.row.replace("/", "/\u200b").replace(",", ",\u200b")  # a phone may part it there
+    said = f"It is said that {one.says}: {one.verdict}. Here {one.why} (row {row})."
+    return b.Text(said, link=(one.source, one.address))
 
 
 def _one_step_each(rows: Sequence[Row]) -> list[Row]:
