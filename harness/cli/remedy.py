@@ -52,13 +52,18 @@ def _without_named(words: Sequence[str], options: str) -> list[str]:
 def _with_near(words: Sequence[str], name: str) -> list[str]:
     """Words of a command with ``name`` in place of the one most like it; none where no word is like it."""
     places = [(i, j, part) for i, word in enumerate(words) if i for j, part in enumerate(_split(word, name))]
-    alike = [(SequenceMatcher(None, part.lower(), name).ratio(), i, j) for i, j, part in places if part != name]
+    alike = [(_likeness(part, name), i, j) for i, j, part in places if part != name]
     ratio, i, j = max(alike, default=(0.0, 0, 0))
     if ratio < _ALIKE:
         return []
     parts = _split(words[i], name)
     parts[j] = name
     return [*words[:i], "".join(parts), *words[i + 1 :]]
+
+
+def _likeness(part: str, name: str) -> float:
+    """From 0 to 1; of a folder and a file in it 1."""
+    return 1.0 if name.startswith(f"{part.rstrip('/')}/") else SequenceMatcher(None, part.lower(), name).ratio()
 
 
 def _split(word: str, name: str) -> list[str]:

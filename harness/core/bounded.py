@@ -27,7 +27,8 @@ def check_file(path: Path, where: str = "", accepted: str = "a file that can be 
     It loads nothing: a mistyped name is refused before a program loads what it would read the file with.
     """
     if path.is_dir():
-        raise InputError(where or str(path), "a folder", accepted)
+        files = sorted(one.path for one in islice(os.scandir(path), _MOST_BESIDE) if one.is_file())
+        raise InputError(where or str(path), "a folder", accepted + (f"; did you mean {files[0]}?" if files else ""))
     if not path.is_file():
         raise InputError(where or str(path), "no such file", accepted + _near(path))
 

@@ -1,5 +1,6 @@
 """Which columns of a table are which channels: as --columns says, else by their names, else by what they hold."""
 
+import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -152,6 +153,10 @@ def quoted_of(table: Table, mapping: Mapping, header: Unit | None = None) -> str
     return factor + product + ("" if unit is None else f"[{unit}]")
 
 
+_CONVERTER = re.compile(r"(?<![a-z])(?:counts?|cts|ticks?|raw|adc|lsb|pulses?|pixels?)(?![a-z])", re.IGNORECASE)
+"""In the name of a column whose numbers are no lengths yet."""
+
+
 def said(table: Table, mappings: dict[str, Mapping], units: dict[str, Unit], guessed: frozenset[str]) -> str | None:
     """What was guessed, in one sentence that ends with the --columns that says the same; None where nothing was."""
     if not guessed:
@@ -161,11 +166,12 @@ def said(table: Table, mappings: dict[str, Mapping], units: dict[str, Unit], gue
         position = table.position(mappings[channel].names[0])
         unit = units[channel].text
         shown = unit or {"t": "s", "x": "m", "v": "m/s", "a": "m/s^2", "u": "N"}[channel]
-        paste.append(f"{channel}={table.quoted(position)}[{shown}]")
+        why, scale = "" if unit else " (no unit given)", ""
+        if not unit and channel != "t" and _CONVERTER.search(table.headers[position]):
+            why, scale = " (numbers of a converter, which need a scale such as 0.001)", "0.001*"
+        paste.append(f"{channel}={scale}{table.quoted(position)}[{shown}]")
         if channel in guessed:
-            parts.append(
-                f"{channel} from {table.headers[position][:_LONG]} in {shown}{'' if unit else ' (no unit given)'}"
-            )
+            parts.append(f"{channel} from {table.headers[position][:_LONG]} in {shown}{why}")
     return f'Read {", ".join(parts)}; to say otherwise: --columns "{",".join(paste)}".'
 
 

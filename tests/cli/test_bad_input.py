@@ -112,6 +112,8 @@ def test_bad_input_is_one_line_and_exit_2(line: str, message: str, capfd: pytest
         ("identify god.csv", "identify good.csv"),
         ("identify good.csv --colums x=x", "identify good.csv --columns x=x"),
         ("run --engine mujco", "run --engine mujoco"),
+        ("identify full", "identify full/mine.txt"),
+        ("regress", "regress --baseline friction.json --update"),
         ("run --joint elbow --m 2", "run --m 2"),
         ("run --joint=elbow --m 2", "run --m 2"),
         ("diagnose good.csv --resume", "diagnose good.csv"),

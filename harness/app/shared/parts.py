@@ -9,7 +9,8 @@ from harness.robot.reduction import Reduced
 def only_joint(arm: Arm) -> str:
     """The one joint of an arm, where none is named; raises InputError where there are several."""
     if len(arm.joints) != 1:
-        raise InputError("--joint", "not given", f"a joint of {arm.file}: {', '.join(arm.joints)}")
+        found = f"not given, and {arm.file} has {', '.join(arm.joints)}"
+        raise InputError("--joint", found, f"try: --joint {arm.joints[0]}")
     return arm.joints[0]
 
 

@@ -71,13 +71,18 @@ def command(
     return 0
 
 
+def _plain(text: str) -> str:
+    """As a terminal has it everywhere."""
+    return text.replace("\u00b1", "+-")
+
+
 def _print(result: "CompareResult") -> None:
     from harness.app.compare import summary
 
     headline, rows = summary(result)
-    say(headline)
+    say(_plain(headline))
     say(f"shift {with_error(result.aligned.shift_s)}")
-    show_rows(("", *result.traces, "difference / its error"), [[label, *cells] for label, cells in rows])
+    show_rows(("", *result.traces, "difference / its error"), [[label, *map(_plain, cells)] for label, cells in rows])
     said = {channel: noise if isinstance(noise, str) else f"{noise:.4g}" for channel, noise in result.noise.items()}
     show_rows(
         ("channel", "fit / %", "rms difference", "noise"),
@@ -94,5 +99,5 @@ def _print(result: "CompareResult") -> None:
         for one in result.sentences
         if one.partition(" (")[0].removeprefix(f"{next(iter(result.traces))} ") not in headline
     ]
-    say_all([*sorted(read), *(one for one in more if not one.startswith("largest difference"))])
+    say_all([*sorted(read), *(_plain(one) for one in more if not one.startswith("largest difference"))])
     say_as_it_is(f"report: {result.outputs['report']}")

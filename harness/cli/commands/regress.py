@@ -58,11 +58,11 @@ def command(
              harness regress --traces reports/fidelity/traces
     """
     if baseline is None and (update or traces is None):
-        raise InputError("--baseline", "not given", "a baseline file, or --traces DIR alone")
+        raise InputError("--baseline", "not given", "try: --baseline friction.json --update")
     if update and traces is not None:
         raise InputError("--update", "given with --traces", "one of them: a baseline is made by a sweep")
     if baseline is not None and not update:
-        check_file(baseline, f"--baseline {baseline}", "a file --update wrote")
+        check_file(baseline, f"--baseline {baseline}", "try: --update")
     from harness.app.shared.deliver import check_writable, write_text
     from harness.app.sweep import ci
     from harness.app.sweep import regress as room

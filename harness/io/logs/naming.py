@@ -72,7 +72,10 @@ def no_such(file: str, have: Sequence[str], joints: Sequence[str]) -> InputError
             return _named(file, have, joints, value)
     if len(have) == len(joints):
         return _named(file, have, joints, f"{EVERY}={EVERY}")
-    return one_of(file, joints[0] if joints else "", list(have), "joint")
+    if len(joints) < 2 or not have:  # one was asked for by its name
+        return one_of(file, joints[0] if joints else "", list(have), "joint")
+    found = f"joints {', '.join(have)}, and none of the model's, {', '.join(joints)}"
+    return InputError(file, found, f"--names LOG=MODEL for each, such as {have[0]}={joints[0]}")
 
 
 def _named(file: str, have: Sequence[str], joints: Sequence[str], value: str) -> InputError:

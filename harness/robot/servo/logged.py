@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.core.errors import InputError
+from harness.core.errors import InputError, did_you_mean
 from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
 from harness.robot.reduction import reduced
@@ -30,7 +30,9 @@ def servo_joint(log: JointLog, asked: str | None) -> str:
         if moves.get(asked, 0.0) < _MOVES:
             those = ", ".join(name for name, far in moves.items() if far >= _MOVES) or "none"
             found = "no goal of it is logged" if asked not in moves else "goal and position hardly move"
-            raise InputError(f"{log.file}: {asked}", found, f"one of those that move: {those}")
+            raise InputError(
+                f"{log.file}: {asked}", found, f"one of those that move: {those}{did_you_mean(asked, moves)}"
+            )
         return asked
     best = max(moves, key=moves.__getitem__, default=None)
     if best is None or moves[best] < _MOVES:
