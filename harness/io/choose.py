@@ -166,10 +166,12 @@ def said(table: Table, mappings: dict[str, Mapping], units: dict[str, Unit], gue
         position = table.position(mappings[channel].names[0])
         unit = units[channel].text
         shown = unit or {"t": "s", "x": "m", "v": "m/s", "a": "m/s^2", "u": "N"}[channel]
-        why, scale = "" if unit else " (no unit given)", ""
+        why = "" if unit else " (no unit given)"
         if not unit and channel != "t" and _CONVERTER.search(table.headers[position]):
-            why, scale = " (numbers of a converter, which need a scale such as 0.001)", "0.001*"
-        paste.append(f"{channel}={scale}{table.quoted(position)}[{shown}]")
+            why = (
+                f" (numbers of a converter: give their scale, as in {channel}=0.001*{table.quoted(position)}[{shown}])"
+            )
+        paste.append(f"{channel}={table.quoted(position)}[{shown}]")
         if channel in guessed:
             parts.append(f"{channel} from {table.headers[position][:_LONG]} in {shown}{why}")
     return f'Read {", ".join(parts)}; to say otherwise: --columns "{",".join(paste)}".'
