@@ -57,6 +57,17 @@ def test_what_is_let_go_is_accelerated_at_once() -> None:
     assert run[0, 2] == pytest.approx(-rig.b[2] * x0 + math.copysign(rig.b[3], x0))
 
 
+def test_the_force_that_is_measured_is_the_one_that_moves_it() -> None:
+    rig = draw_rig("slow axis", np.random.default_rng(3))
+    x, v, _, u, work = rig.run(BARE).T
+    m, c = rig.b[:2]
+    dx = np.diff(x)
+    # by the trapezium rule, which misses what bends at reversals
+    done = np.cumsum(0.5 * (u[1:] + u[:-1]) * dx - c * 0.5 * (v[1:] + v[:-1]) * dx)
+    lost = work[1:] + 0.5 * m * v[1:] ** 2
+    assert np.max(np.abs(done - lost)) < 0.002 * work[-1]
+
+
 def test_work_against_friction_is_the_energy_that_is_lost() -> None:
     b = np.array([2.0, 0.0, 50.0, 0.3, 0.0])
     for name in ("Stribeck, exponential", "load on a bearing", "friction along the way"):

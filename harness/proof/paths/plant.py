@@ -311,7 +311,7 @@ def pushed(
     tables: FloatArray,
 ) -> FloatArray:  # fmt: skip
     """Motion (n, 5) and measured force of a slider that a stiff arm pushes along r, rv ((n - 1) fine + 1,)."""
-    n, h, m = (r.size - 1) // fine + 1, dt / fine, 6
+    n, h, m = (r.size - 1) // fine + 1, dt / fine, 4
     rows, s, w = np.empty((n, 5)), _state(r[0], 0.0), np.empty((6, STATES))
     side, stuck = 0.0, 1e9
     for i in range(n):
@@ -322,7 +322,9 @@ def pushed(
         for j in range(i * fine, (i + 1) * fine):
             # the arm's own force is followed as it changes within a step
             for q in range(m):
-                a = (q + 0.5) / m
-                u = stiff * (r[j] + a * (r[j + 1] - r[j]) - s[X]) + damp * (rv[j] + a * (rv[j + 1] - rv[j]) - s[V])
-                side, stuck = _advance(s, side, stuck, (j + q / m) * h, h / m, u, 0.0, b, p, tables, w)
+                now, way, fast = (j + q / m) * h, r[j] + q / m * (r[j + 1] - r[j]), rv[j] + q / m * (rv[j + 1] - rv[j])
+                u = stiff * (way - s[X]) + damp * (fast - s[V])
+                _rates(s, now, u, side, side == 0.0 and p[BRISTLE] == 0.0, s[X], b, p, tables, w[0])
+                rate = stiff * (fast - s[V]) + damp * ((rv[j + 1] - rv[j]) / h - w[0, V])
+                side, stuck = _advance(s, side, stuck, now, h / m, u, rate, b, p, tables, w)
     return rows
