@@ -152,7 +152,7 @@ def _logged(rng: Rng, rig: Rig, p: FloatArray, tables: FloatArray, about: Mappin
         sprung = _HELD[rig.path] == "spring"
         arguments += ["--zero", "free" if rig.zero else "spring"] if sprung else []
     m, c, k, f_k, _ = map(float, rig.b)
-    base = {"m": m, "c": c, "f_k": f_k} | ({"k": k} if k else {})
+    base = {"mass": m, "c": c, "f_k": f_k} | ({"k": k} if k else {})
     if k:
         base |= {"omega_n": math.sqrt(k / m), "zeta": c / (2.0 * math.sqrt(k * m)), "x_k": f_k / k}
     return Made(packed(files), {
