@@ -8,10 +8,12 @@ from harness.kernels.layout import BRISTLES, INTERNAL, LEVELS, MODULATIONS, SMOO
 (
     _stribeck,
     _stribeck_free,
+    _stribeck_free_tail,
 ) = laws(
     LEVELS,
     "stribeck",
     "stribeck:free",
+    "stribeck:free-tail",
 )
 
 
@@ -22,6 +24,8 @@ def speed_level(number: int, v: float, theta: FloatArray, o: int, out: FloatArra
         _stribeck(v, theta, o, out)
     elif number == 1:
         _stribeck_free(v, theta, o, out)
+    elif number == 2:
+        _stribeck_free_tail(v, theta, o, out)
 
 
 (
@@ -107,6 +111,7 @@ def smoothed_law(number: int, v: float, a: float, level: float, theta: FloatArra
     _quadratic_drag_free,
     _asymmetric_viscous,
     _power_law_damping,
+    _power_law_damping_free,
     _cubic_stiffness,
     _cubic_stiffness_free,
     _quadratic_stiffness,
@@ -136,6 +141,7 @@ def smoothed_law(number: int, v: float, a: float, level: float, theta: FloatArra
     "quadratic-drag:free",
     "asymmetric-viscous",
     "power-law-damping",
+    "power-law-damping:free",
     "cubic-stiffness",
     "cubic-stiffness:free",
     "quadratic-stiffness",
@@ -174,50 +180,52 @@ def smooth(number: int, x: float, v: float, t: float, theta: FloatArray, o: int,
     elif number == 3:
         _power_law_damping(x, v, theta, o, out)
     elif number == 4:
-        _cubic_stiffness(x, v, theta, o, out)
+        _power_law_damping_free(x, v, theta, o, out)
     elif number == 5:
-        _cubic_stiffness_free(x, v, theta, o, out)
+        _cubic_stiffness(x, v, theta, o, out)
     elif number == 6:
-        _quadratic_stiffness(x, v, theta, o, out)
+        _cubic_stiffness_free(x, v, theta, o, out)
     elif number == 7:
-        _pendulum_stiffness(x, v, theta, o, out)
+        _quadratic_stiffness(x, v, theta, o, out)
     elif number == 8:
-        _end_stop(x, v, theta, o, out)
+        _pendulum_stiffness(x, v, theta, o, out)
     elif number == 9:
-        _end_stop_positive(x, v, theta, o, out)
+        _end_stop(x, v, theta, o, out)
     elif number == 10:
-        _end_stop_negative(x, v, theta, o, out)
+        _end_stop_positive(x, v, theta, o, out)
     elif number == 11:
-        _end_stop_free(x, v, theta, o, out)
+        _end_stop_negative(x, v, theta, o, out)
     elif number == 12:
-        _end_stop_positive_free(x, v, theta, o, out)
+        _end_stop_free(x, v, theta, o, out)
     elif number == 13:
-        _end_stop_negative_free(x, v, theta, o, out)
+        _end_stop_positive_free(x, v, theta, o, out)
     elif number == 14:
-        _backlash(x, v, theta, o, out)
+        _end_stop_negative_free(x, v, theta, o, out)
     elif number == 15:
-        _stiffness_drift(x, v, t, theta, o, out)
+        _backlash(x, v, theta, o, out)
     elif number == 16:
-        _stiffness_drift_free(x, v, t, theta, o, out)
+        _stiffness_drift(x, v, t, theta, o, out)
     elif number == 17:
-        _constant_force(x, v, theta, o, out)
+        _stiffness_drift_free(x, v, t, theta, o, out)
     elif number == 18:
-        _force_ripple(x, v, theta, o, out)
+        _constant_force(x, v, theta, o, out)
     elif number == 19:
-        _harmonic_force(x, v, t, theta, o, out)
+        _force_ripple(x, v, theta, o, out)
     elif number == 20:
-        _tabulated_stiffness(x, v, theta, o, out)
+        _harmonic_force(x, v, t, theta, o, out)
     elif number == 21:
-        _tabulated_friction(x, v, theta, o, out)
+        _tabulated_stiffness(x, v, theta, o, out)
     elif number == 22:
-        _tabulated_friction_forward(x, v, theta, o, out)
+        _tabulated_friction(x, v, theta, o, out)
     elif number == 23:
-        _tabulated_friction_backward(x, v, theta, o, out)
+        _tabulated_friction_forward(x, v, theta, o, out)
     elif number == 24:
-        _tabulated_force(x, v, theta, o, out)
+        _tabulated_friction_backward(x, v, theta, o, out)
     elif number == 25:
-        _given_force(x, v, t, theta, o, out)
+        _tabulated_force(x, v, theta, o, out)
     elif number == 26:
+        _given_force(x, v, t, theta, o, out)
+    elif number == 27:
         _given_damping(x, v, t, theta, o, out)
 
 

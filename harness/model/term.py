@@ -232,8 +232,8 @@ class Parameter:
 
 
 Probe = tuple[float, ...]
-FreedFrom = Callable[[Probe, float], Sequence[Probe]]
-"""From the values of a law whose form is freed, and how long it was recorded (s)."""
+FreedFrom = Callable[[Probe, float, float], Sequence[Probe]]
+"""From the values of a law whose form is freed, how long it was recorded (s), and the fastest speed (m/s)."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,5 +1,6 @@
 """Friction curves: tables of speeds that were held and the force that held them. Truths are the formulas themselves."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -116,3 +117,29 @@ def test_what_needs_a_motion_is_refused_with_a_table() -> None:
             harness.diagnose(one, engines=(), **asked)
     with pytest.raises(InputError):
         harness.diagnose([one, one], engines=())
+
+
+@pytest.mark.parametrize(
+    ("falls", "shape", "at"),
+    [(lambda s: np.exp(-s), "exponent", 1.0), (lambda s: 1.0 / (1.0 + s**2), "tail", 1.0)],
+    ids=["exponential", "Lorentzian"],
+)
+def test_stribeck_is_one_name_with_its_form_found(
+    falls: Callable[[FloatArray], FloatArray], shape: str, at: float
+) -> None:
+    v: FloatArray = np.concatenate((-np.linspace(0.1, 10.0, 30), np.linspace(0.1, 10.0, 30)))
+    u = np.sign(v) * (0.5 + 0.8 * falls(np.abs(v) / 0.8)) + 0.1 * v
+    noisy = u + 0.002 * np.random.default_rng(3).standard_normal(v.size)
+    rows = Recording(np.arange(v.size, dtype=np.float64), {"v": v, "u": noisy}, "forms.csv", steady=True)
+    (found,) = harness.diagnose(rows, engines=()).mechanisms
+    assert found.name == "stribeck"
+    assert found.parameters[shape].value == pytest.approx(at, abs=4.0 * (found.parameters[shape].stderr or 0.0))
+
+
+def test_damping_that_saturates_is_a_power_of_the_speed_in_another_form() -> None:
+    v: FloatArray = np.concatenate((-np.linspace(0.1, 10.0, 30), np.linspace(0.1, 10.0, 30)))
+    u = 0.5 * np.sign(v) + 2.0 * np.tanh(v / 2.0) + 0.002 * np.random.default_rng(3).standard_normal(v.size)
+    rows = Recording(np.arange(v.size, dtype=np.float64), {"v": v, "u": u}, "forms.csv", steady=True)
+    (found,) = harness.diagnose(rows, engines=()).mechanisms
+    assert found.name == "power-law-damping"
+    assert found.parameters["exponent"].value == pytest.approx(0.0, abs=0.1)

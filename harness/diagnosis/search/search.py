@@ -43,7 +43,7 @@ def _fitted(found: Fit, problem: Problem, scales: Scales) -> Iterator[Fit]:
     base = base_of(found.free)
     for form in forms_of(entry.term.key):
         assert form.freed is not None
-        for values in form.freed(entry.values, problem.duration):
+        for values in form.freed(entry.values, problem.duration, scales.v):
             model = replace(found.model, terms=(ModelTerm(form, values),))
             try:
                 yield fit(model, problem, free_of(model, base), scales, thorough=False)

@@ -5,18 +5,19 @@ one effect in another form stays one name.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
 from harness.core.arrays import FloatArray
 from harness.core.jit import lean
 from harness.model.law import D_FREE, D_LEVEL, D_PARAMETER, D_STIFFNESS, D_T, D_V, D_X, KINETIC, STIFFNESS, VALUE
-from harness.model.term import FreedFrom, Parameter, Probe, Term
+from harness.model.term import Extent, FreedFrom, Parameter, Probe, Term
 from harness.model.terms import (
     cubic_stiffness,
     end_stop,
     friction_drift,
+    power_law_damping,
     quadratic_drag,
     regularised_friction,
     stiffness_drift,
@@ -56,6 +57,38 @@ def law_stribeck(v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
         out[D_V] = -excess * left * p * power / v
         out[D_PARAMETER + 1] = excess * left * p * power / v_s
         out[D_PARAMETER + 2] = -excess * left * power * math.log(u)
+
+
+def law_stribeck_tail(v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """f_k + (f_s - f_k) (1 + h (v/v_s)^2)^(-1/h): Gaussian at h = 0, Lorentzian at 1; break-away at f_s."""
+    f_s, v_s, h = theta[o], theta[o + 1], theta[o + 2]
+    u2, excess = (v / v_s) ** 2, theta[o] - theta[KINETIC]
+    wide = 1.0 + h * u2
+    # close to h = 0 the difference of two large numbers is nothing
+    small = h * u2 < 1e-4
+    fall = u2 * (1.0 - 0.5 * h * u2) if small else math.log1p(h * u2) / h
+    by_h = u2 * u2 * (0.5 - 2.0 * h * u2 / 3.0) if small else (fall - u2 / wide) / h
+    fallen = math.expm1(-fall)
+    left = 1.0 + fallen
+    out[VALUE] = f_s + excess * fallen
+    out[D_V] = -2.0 * excess * left * v / (v_s * v_s * wide)
+    out[D_LEVEL] = -fallen
+    out[D_PARAMETER] = left
+    out[D_PARAMETER + 1] = 2.0 * excess * left * u2 / (v_s * wide)
+    out[D_PARAMETER + 2] = excess * left * by_h
+
+
+def law_saturating(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """c_p v (v^2 + v_0^2)^((p-1)/2): in proportion to v below v_0, a power p of it above; it saturates at p = 0."""
+    c_p, p, v_0 = theta[o], theta[o + 1], theta[o + 2]
+    s2 = v * v + v_0 * v_0
+    if s2 > 0.0:
+        grown = s2 ** (0.5 * (p - 1.0))
+        out[VALUE] = c_p * v * grown
+        out[D_V] = c_p * grown * (1.0 + (p - 1.0) * v * v / s2)
+        out[D_PARAMETER] = v * grown
+        out[D_PARAMETER + 1] = 0.5 * c_p * v * grown * math.log(s2)
+        out[D_PARAMETER + 2] = c_p * v * grown * (p - 1.0) * v_0 / s2
 
 
 @lean
@@ -142,7 +175,7 @@ def law_wear(x: float, v: float, t: float, theta: FloatArray, o: int, out: Float
 
 def _of(law: Term, form: Callable[..., None], shape: Parameter, starts: FreedFrom, **other: Any) -> Term:
     """The entry of a law whose form is freed."""
-    variant = f"{law.variant}-free" if law.variant else "free"
+    variant = other.pop("variant", f"{law.variant}-free" if law.variant else "free")
     kept = ("name", "family", "slot", "parameters", "corner", "place", "as_named", "needs", "told_from")
     said: dict[str, Any] = {name: getattr(law, name) for name in kept} | other
     said["parameters"] = (*said["parameters"], shape)
@@ -152,10 +185,44 @@ def _of(law: Term, form: Callable[..., None], shape: Parameter, starts: FreedFro
 
 def _from(*shapes: float) -> FreedFrom:
     """From the law's own numbers, with these shapes."""
-    return lambda values, span: [(*values, one) for one in shapes]
+    return lambda values, span, speed: [(*values, one) for one in shapes]
 
 
-def _slowing(values: Probe, span: float) -> list[Probe]:
+_ROUND = {
+    -0.59: "clipped (Huber, MuJoCo's friction loss)",
+    -0.33: "as s (2 - s) (Drake's TAMSI)",
+    0.0: "as tanh (Isaac's SysID, i2rt, OpenArm, Jiminy)",
+    1.0: "as v/sqrt(v^2 + v_r^2) (Drake's lagged contact)",
+}
+"""Forms by the roundness that comes nearest to each."""
+
+
+def _smoothed_as(values: Probe, k: float) -> Mapping[str, str]:
+    return {"form": _ROUND[min(_ROUND, key=lambda roundness: abs(roundness - values[2]))]}
+
+
+def _falls_as(values: Probe, k: float) -> Mapping[str, str]:
+    return {"form": "a Gaussian" if values[2] > _GAUSSIAN else "an exponential"}
+
+
+def _falls_with_tail(values: Probe, k: float) -> Mapping[str, str]:
+    return {"form": "a Lorentzian" if values[2] > _LORENTZIAN else "a Gaussian"}
+
+
+_GAUSSIAN, _LORENTZIAN, _SATURATED, _KNEE = 1.5, 0.5, 0.1, 0.15
+"""Shapes from which a form has its name, and share of the fastest speed from which damping saturates."""
+
+
+def _grows_as(values: Probe, k: float) -> Mapping[str, str]:
+    return {"form": "saturates above" if values[1] < _SATURATED else "grows less above"}
+
+
+def _damps(values: Probe, extent: Extent) -> bool:
+    """What saturates close to rest is dry friction that is smoothed."""
+    return values[1] >= _SATURATED or values[2] >= _KNEE * extent.speed
+
+
+def _slowing(values: Probe, span: float, speed: float) -> list[Probe]:
     """At the same pace all along, and three times as fast at first."""
     return [(*values, 0.0), (3.0 * values[0], 3.0 / span)]
 
@@ -168,13 +235,28 @@ def _stop(stop: Term, form: Callable[..., None]) -> Term:
     )  # fmt: skip
 
 
+_FALLS = "Friction falls with speed as {form} (Stribeck): from f_s = {f_s} at rest to f_k, over v_s = {v_s}"
 SMOOTH = _of(
     regularised_friction.TERM, law_smooth, Parameter("roundness", "1", -1.0, 3.0),
-    lambda values, span: [(0.8 * values[0], values[1], s) for s in (0.0, 1.0)], example=(0.6, 0.02, 0.4), corner=False,
+    lambda values, span, speed: [(0.8 * values[0], values[1], s) for s in (0.0, 1.0)], example=(0.6, 0.02, 0.4),
+    corner=False, words=_smoothed_as,
+    sentence="Friction is smoothed over speeds below {v_r}, reverses {lead} ahead of it and never sticks: {form}",
 )  # fmt: skip
 STRIBECK = _of(
-    stribeck.TERM, law_stribeck, Parameter("exponent", "1", 0.5, 4.0), _from(2.0, 1.0), example=(5.0, 0.8, 1.3)
-)
+    stribeck.TERM, law_stribeck, Parameter("exponent", "1", 0.5, 4.0), _from(2.0, 1.0), example=(5.0, 0.8, 1.3),
+    words=_falls_as, sentence=_FALLS,
+)  # fmt: skip
+STRIBECK_TAIL = _of(
+    stribeck.TERM, law_stribeck_tail, Parameter("tail", "1", 0.0, 3.0), _from(0.3, 1.0), example=(5.0, 0.8, 0.7),
+    words=_falls_with_tail, sentence=_FALLS, variant="free-tail",
+)  # fmt: skip
+SATURATING = _of(
+    power_law_damping.TERM, law_saturating, Parameter("v_0", "m/s", 0.0, positive=True),
+    lambda values, span, speed: [(values[0] * speed ** values[1], 0.0, 0.2 * speed), (*values, 0.03 * speed)],
+    example=(0.8, 0.3, 0.2), corner=False, words=_grows_as, as_named=_damps,
+    parameters=(power_law_damping.TERM.parameters[0], Parameter("exponent", "1", 0.0, 0.8)),
+    sentence="Damping {form} a speed v_0: c_p = {c_p}, exponent = {exponent}",
+)  # fmt: skip
 DRAG = _of(
     quadratic_drag.TERM, law_drag, Parameter("exponent", "1", 1.2, 5.0), _from(2.0), example=(0.2, 2.6),
     parameters=(Parameter("c2", "N (s/m)^p", 0.0),), sentence="A drag grows with a power of the speed: c2 = {c2}",

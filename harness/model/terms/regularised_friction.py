@@ -6,7 +6,7 @@ from harness.model.term import Evidence, Extent, Parameter, Place, Probe, Seen, 
 
 
 def law(v: float, a: float, level: float, theta: FloatArray, o: int, out: FloatArray) -> None:
-    """f_k sat((v + lead a0)/v_r), a0 the acceleration without friction."""
+    """f_k sat((v + lead a0)/v_r), a0 the acceleration without friction: clipped, as MuJoCo's friction loss is."""
     v_r, lead = theta[o], theta[o + 1]
     ratio = (v + lead * a) / v_r
     if abs(ratio) >= 1.0:
