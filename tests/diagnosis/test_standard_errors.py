@@ -63,6 +63,15 @@ def test_with_a_misfit_the_truth_lies_within_two_standard_errors() -> None:
     assert inside >= 0.8 * draws
 
 
+def test_a_phase_is_within_half_a_turn_however_far_its_fit_has_wandered() -> None:
+    hum = ModelTerm.named("harmonic-force", A=0.4, Omega=7.0, phase=0.3)
+    problem, _ = prepare(recorded(slider(hum), 1), Asked(restoring=Restoring.SPRING, zero_free=False))
+    model = slider(ModelTerm.named("harmonic-force", A=0.4, Omega=7.0, phase=0.3 + 400.0 * math.pi))
+    found = fit(model, problem, free_of(model, problem.base_names))
+    phase = term_parameters(found, problem, 0, 10.0)["phase"]
+    assert phase.value == pytest.approx(0.3, abs=5.0 * (phase.stderr or 0.0))
+
+
 @pytest.mark.parametrize("span", [40, 100])
 def test_too_short_a_stretch_gives_no_finite_error(span: int) -> None:
     problem, _ = prepare(recorded(slider(), 0), Asked())

@@ -128,15 +128,23 @@ def numbers_of(found: Fit, problem: Problem, omega: float, explained: bool) -> d
 def term_parameters(
     found: Fit, problem: Problem, index: int, omega: float, explained: bool = True
 ) -> dict[str, Quantity]:
-    """Parameters of the term at ``index`` of a model, with standard errors; see ``base_parameters``."""
+    """Parameters of the term at ``index`` of a model, with standard errors; see ``base_parameters``.
+
+    A phase is within half a turn of none, however far a fit has wandered.
+    """
     variances, values = [np.diag(m) for m in covariances(found, problem, omega, explained)], found.values
+    phase = found.model.terms[index].term.phase
     out = {}
     for i, f in enumerate(found.free):
         if isinstance(f.by, tuple) and f.by[0] == index:
             parameter = found.model.terms[index].term.parameters[f.by[1]]
             why = _ON_BOUND if values[i] <= f.lower else (AT_LEAST if values[i] >= f.upper else None)
+            value = float(values[i])
             out[parameter.name] = _quantity(
-                float(values[i]), [float(v[i]) for v in variances], unit_of(parameter.unit, problem), why
+                math.remainder(value, math.tau) if f.by[1] == phase else value,
+                [float(v[i]) for v in variances],
+                unit_of(parameter.unit, problem),
+                why,
             )
     return out
 
