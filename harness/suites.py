@@ -218,7 +218,7 @@ def diff(
 
 
 def tune(
-    engine: str,
+    engine: str | Sequence[str],
     *,
     route: Route | None = None,
     dt: float | None = None,
@@ -231,15 +231,20 @@ def tune(
     """Search an engine's settings for fidelity at a cost; ``result.paste`` is what to paste.
 
     route : None for "joint". dt : step, s, None for 1 ms or the robot's own. max_cost : wall time over that of what
-    ships. meet : goals such as "creep<0.01mm/s", for the cheapest settings that meet them (``result.goals``). robot,
-    joint, gravity : on a joint of a robot's model; the route is then joint. Raises InputError.
+    ships. meet : goals such as "creep<0.01mm/s", for the cheapest settings that meet them (``result.goals``), and of
+    several engines the one that takes the least time (``result.rivals``). robot, joint, gravity : on a joint of a
+    robot's model; the route is then joint. Raises InputError.
     """
-    from harness.app.sweep.tune import goal, tune_joint
+    from harness.app.sweep.tune import cheapest, goal, tune_joint
     from harness.app.sweep.tune import tune as of_sliders
 
     if robot is not None and route not in (None, "joint"):
         raise InputError("route", f"{route}, given with robot", "joint")
     goals = [goal(text) for text in meet or ()]
+    if not isinstance(engine, str):
+        if robot is not None or max_cost is not None or not goals:
+            raise InputError("engine", "several", "one engine, or several with meet alone")
+        return cheapest(engine, goals, route or "joint", dt)
     if robot is None:
         return of_sliders(engine, route or "joint", dt, max_cost, goals=goals)
     return tune_joint(engine, Path(robot), joint, gravity, dt, max_cost, goals=goals)

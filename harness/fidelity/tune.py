@@ -277,6 +277,12 @@ class Trial:
             self._shipped = min(self._shipped, *(second for _, second in turns))
         return self._seconds[key] / self._shipped if changed else 1.0
 
+    def seconds(self, changed: dict[str, Any]) -> float:
+        """Wall time of a second of a free decay's motion, the fastest of a few runs, s."""
+        scenario = suite(self.route, self.subject.sliders(SEARCH[0]))["free-decay"]
+        spec = self._spec(changed, scenario, SEARCH[0], "as-shipped")
+        return min(self._wall(spec) for _ in range(REPEATS)) / scenario.duration
+
     def _wall(self, spec: Spec) -> float:
         try:
             return self.engine.simulate(task(self.engine, spec)).source.wall_s or math.inf

@@ -183,6 +183,16 @@ class TunedJoint(Result):
     gravity: list[float] = Field(description="largest torque of gravity in each, N m; of a slide its force, N")
 
 
+class TunedRival(Result):
+    """An engine that settings were searched for beside the one that was chosen."""
+
+    engine: str
+    version: str
+    met: bool = Field(description="whether it meets every goal on sliders that were not searched on")
+    seconds: float | None = Field(description="wall time of a second of motion with its settings")
+    why: str | None = rare("why it could not be searched")
+
+
 class TuneResult(Paged):
     """harness tune."""
 
@@ -207,5 +217,7 @@ class TuneResult(Paged):
         description="numbers of the random suites, or of a robot's poses: searched on, scored on"
     )
     goals: list[TunedGoal] = rare(factory=list)
+    seconds: float | None = rare("wall time of a second of motion with these settings, where goals were asked")
+    rivals: list[TunedRival] = rare("every engine that was asked, the chosen one among them", list)
     robot: TunedJoint | None = rare()
     machine: Machine

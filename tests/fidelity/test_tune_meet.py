@@ -113,7 +113,9 @@ def test_what_cannot_be_met_is_told_with_the_nearest(capfd: pytest.CaptureFixtur
 
 
 @pytest.mark.usefixtures("short")
-def test_from_python_and_with_a_cost_besides(capfd: pytest.CaptureFixture[str]) -> None:
+def test_from_python_and_of_several_engines_the_one_that_meets_it_in_the_least_time(
+    capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     result = harness.tune("mujoco", route="law", dt=TWO_MS, meet=["position<10mm"])
     (found,) = result.goals
     assert found.met
@@ -121,6 +123,29 @@ def test_from_python_and_with_a_cost_besides(capfd: pytest.CaptureFixture[str]) 
     assert found.after <= found.limit == pytest.approx(0.01)
     assert run(["tune", "mujoco", "--meet", "creep<1mm/s", "--max-cost", "2"]) == 2
     assert "--max-cost" in capfd.readouterr().err
+    assert run(["tune", "mujoco", "pybullet"]) == 2
+    assert "several, given with no --meet" in capfd.readouterr().err
+    assert result.seconds is not None
+    assert result.seconds > 0.0
+    slow, short = (result.goals[0].model_copy(update={"met": met}) for met in (True, False))
+    asked = {"mujoco": (3.0, slow), "pybullet": (2.0, slow), "rapier": (1.0, short)}
+
+    def tuned(name: str, *rest: object, goals: object) -> object:
+        if name == "dart":
+            raise InputError("engine dart", "not here", "another")
+        seconds, met = asked[name]
+        return result.model_copy(update={"engine": name, "seconds": seconds, "goals": [met]})
+
+    monkeypatch.setattr("harness.app.sweep.tune.tune", tuned)
+    best = harness.tune(["dart", "mujoco", "pybullet", "rapier"], meet=["position<10mm"])
+    assert best.engine == "pybullet"
+    assert [(each.engine, each.met) for each in best.rivals] == [
+        ("dart", False), ("mujoco", True), ("pybullet", True), ("rapier", False)
+    ]  # fmt: skip
+    with pytest.raises(InputError, match="not here"):
+        harness.tune(["dart"], meet=["position<10mm"])
+    with pytest.raises(InputError, match="several with meet alone"):
+        harness.tune(["mujoco", "pybullet"])
 
 
 class Fake(Trial):

@@ -23,7 +23,7 @@ from harness.fidelity.paste import paste
 from harness.fidelity.scores import COLUMNS, distance
 from harness.fidelity.tune import HELD_OUT, SEARCH, Choice, Subject, Trial, score_of, search, space, tunable
 from harness.io.units import parse_unit
-from harness.results.sweep import SweepRow, TunedFigure, TunedGoal, TunedJoint, TuneResult
+from harness.results.sweep import SweepRow, TunedFigure, TunedGoal, TunedJoint, TunedRival, TuneResult
 from harness.robot.arm import Arm, load_arm
 from harness.robot.own_model import loosened, looseness, words
 from harness.robot.paste import JointPaste
@@ -184,8 +184,39 @@ def tune(
         searched=trial.count,
         sliders={"searched_on": list(SEARCH), "scored_on": list(HELD_OUT)},
         goals=met,
+        seconds=trial.seconds(changed) if goals else None,
         machine=this_machine({"search": 0}),
     )
+
+
+def cheapest(
+    engines: Sequence[str],
+    goals: Sequence[Goal],
+    route: Route = "joint",
+    dt: float | None = None,
+    progress: Progress = SILENT,
+) -> TuneResult:
+    """Of the cheapest settings of each engine that meet the goals those that take the least wall time.
+
+    ``rivals`` has all of them; where none meets the goals, the first that could be searched. Raises InputError where
+    none could be.
+    """
+    rivals, found = list[TunedRival](), list[TuneResult]()
+    for name in engines:
+        registry.check(name)
+        try:
+            one = tune(name, route, dt, None, progress, goals=goals)
+        except InputError as error:
+            rivals.append(TunedRival(engine=name, version="", met=False, seconds=None, why=str(error)))
+            continue
+        found.append(one)
+        met = all(each.met for each in one.goals)
+        rivals.append(TunedRival(engine=name, version=one.version, met=met, seconds=one.seconds))
+    if not found:
+        raise InputError("engines", "; ".join(str(one.why) for one in rivals), f"{'; '.join(tunable())}")
+    meets = [one for one in found if all(each.met for each in one.goals)]
+    best = min(meets, key=lambda one: one.seconds or math.inf) if meets else found[0]
+    return best.model_copy(update={"rivals": rivals})
 
 
 _GOAL = re.compile(r"\s*(?P<name>\w+)\s*<\s*(?P<limit>[0-9.]+(?:[eE][-+]?[0-9]+)?)\s*(?P<unit>\S*)\s*")
