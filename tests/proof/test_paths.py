@@ -160,19 +160,19 @@ def test_right_is_the_mechanism(verdict: str, names: list[str], grade: str, hidd
 
 
 def test_a_proof_on_all_ways_is_sealed_and_verified(tmp_path: Path, one_version: None) -> None:
-    options = ProveOptions(Sizes(0, 0, 0, 0, paths=12), jobs=1, baselines=(), blind=STUB)
+    options = ProveOptions(Sizes(0, 0, 0, 0, paths=6), jobs=1, baselines=(), blind=STUB)
     result = prove(options, tmp_path / "paths")
     assert not result.evidence
     assert result.paths is not None
     # the stub says of everything that nothing is left out
     figures = {figure.key: figure for figure in result.figures}
-    assert (figures["paths_alarms"].hits, figures["paths_alarms"].cases) == (0, 6)
+    assert (figures["paths_alarms"].hits, figures["paths_alarms"].cases) == (0, 3)
     assert figures["paths_told"].hits == 0
     assert sum(level.silent.hits for level in result.paths.levels) == sum(level.cases for level in result.paths.levels)
     assert {way.path for way in result.paths.ways} <= set(PATHS)
     check = verify_proof(tmp_path / "paths", jobs=1)
     assert check.wrong == []
-    assert (check.recordings, check.identical) == (12, 12)
+    assert (check.recordings, check.identical) == (6, 6)
     page = (tmp_path / "paths" / "report.html").read_text(encoding="utf-8")
     assert "What is told of an effect" in page
     # a number that is changed in a recording is seen
