@@ -66,7 +66,7 @@ def identify_page(result: IdentifyResult, recording: Recording, fitted: Trajecto
         damping = [] if result.damping is None else [damping_section(result.damping)]
         read = [methods, *damping, _channels(recording, result, fitted), reversals]
     sections = [
-        verdict(identify_headline(result), [*result.warnings, *result.recording.notes]),
+        verdict(identify_headline(result), _cautions(result)),
         *read,
         made_with(result.machine, result.files, result.command),
     ]
@@ -80,6 +80,12 @@ def samples_of(about: RecordingInfo) -> str:
         return f"{about.samples} steady speeds from {about.speeds}"
     channels = ", ".join(about.channels)
     return f"{about.samples} samples of {channels} at {about.rate_hz:.6g} Hz, {about.duration_s:.4g} s"
+
+
+def _cautions(result: IdentifyResult) -> list[str]:
+    """Warnings and what was done to read the file; a warning that a note says in full is said once."""
+    notes = result.recording.notes
+    return [*(one for one in result.warnings if not any(n.lower().startswith(one.lower()) for n in notes)), *notes]
 
 
 def identify_headline(result: IdentifyResult) -> str:
@@ -196,7 +202,7 @@ def channel_figures(recording: Recording, result: IdentifyResult, fitted: Trajec
 
 def recording_scene(recording: Recording, result: IdentifyResult) -> s.Scene:
     """Scene of a recording, with every reversal as the first method has it that reads each by itself."""
-    said = [identify_headline(result), *result.warnings, *result.recording.notes]
+    said = [identify_headline(result), *_cautions(result)]
     notes = s.notes_of("What was read", said)
     side: list[s.Layout] = [s.Words("notes", notes)]
     for method, estimate in result.estimates.items():
