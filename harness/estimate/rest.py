@@ -16,8 +16,6 @@ _NOISES = 3.0
 """Standard deviations to either side within which a position that rests scatters."""
 _FEWEST = 6
 """Samples of a rest whose force is smoothed: fewer hardly tell its noise from its course."""
-_SURELY = 3.0
-"""Standard errors by which a force may be less than it seems to be."""
 _DECISIVE = 10.0
 """Twice the logarithm of a likelihood ratio (Kass and Raftery 1995)."""
 
@@ -80,10 +78,7 @@ def _course(t: FloatArray, u: FloatArray, sigma: float) -> FloatArray:
         since, level = at - float(np.mean(at)), np.full(b - a, float(np.mean(y)))
         slope = float(since @ y) / float(since @ since)
         line = level + slope * since if slope**2 * float(since @ since) > _DECISIVE else level
-        known = sigma * np.sqrt(1.0 / (b - a) + np.where(line is level, 0.0, since**2 / float(since @ since)))
-        size = u[a] + sigma * line
-        # no more than it surely is: of many rests one is always taken for more, and would be moved
-        out[a:b] = np.sign(size) * np.maximum(np.abs(size) - _SURELY * known, 0.0)
+        out[a:b] = u[a] + sigma * line
     return out
 
 
