@@ -55,7 +55,9 @@ class Moves:
     def refuse(self, file: str) -> None:
         """Raise InputError for what tells nothing of friction; what is driven unseen is still followed as a swing."""
         if self.wanted and self.kind is not MotionKind.DRIVEN:
-            raise InputError(file, f"no motion that shows friction ({self.kind}): {self.reason}", self.wanted)
+            raise InputError(
+                file, f"no motion that shows friction ({self.kind}): {self.reason}", f"it needs more: {self.wanted}"
+            )
 
     def part(self, recording: Recording) -> tuple[Recording, tuple[str, ...]]:
         """The largest of several decays by itself, and a sentence on the others; else the recording."""
