@@ -268,7 +268,7 @@ def prove(
     pairs: int | None = None,
     outside: int | None = None,
     machines: bool = False,
-    paths: int = 0,
+    paths: int | None = None,
     short: bool = False,
     resume: bool = False,
     jobs: int | None = None,
@@ -286,7 +286,7 @@ def prove(
 
     sizes = {"singles": singles, "controls": controls, "pairs": pairs, "outside": outside}
     given = {name: value for name, value in sizes.items() if value is not None}
-    options = ProveOptions.chosen(given, short, machines, paths, jobs=jobs, resume=resume)
+    options = ProveOptions.chosen(given, short, machines, paths or 0, jobs=jobs, resume=resume)
     return kept(out, "proof", lambda folder: computed(options, folder))
 
 
