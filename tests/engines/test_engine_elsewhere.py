@@ -86,7 +86,7 @@ def test_a_death_is_told_and_the_next_question_starts_another_process(dying: Wor
 
 
 BAD = [
-    ("mujoco@/no/such/python", InputError, "engine @/no/such/python: no program; NAME@PYTHON with the path of"),
+    ("mujoco@/no/such/python", InputError, "engine @/no/such/python: no program; expected NAME@PYTHON with the path"),
     ("mujoco@/bin/true", SimulationError, "engine mujoco@/bin/true: /bin/true: its process ended with code 0"),
     ("bullet@python", InputError, "engine: 'bullet@python'; expected one of "),
 ]

@@ -253,7 +253,7 @@ STRIBECK_TAIL = _of(
 SATURATING = _of(
     power_law_damping.TERM, law_saturating, Parameter("v_0", "m/s", 0.0, positive=True),
     lambda values, span, speed: [(values[0] * speed ** values[1], 0.0, 0.2 * speed), (*values, 0.03 * speed)],
-    example=(0.8, 0.3, 0.2), corner=False, words=_grows_as, as_named=_damps,
+    example=(0.8, 0.3, 0.2), words=_grows_as, as_named=_damps,
     parameters=(power_law_damping.TERM.parameters[0], Parameter("exponent", "1", 0.0, 0.8)),
     sentence="Damping {form} a speed v_0: c_p = {c_p}, exponent = {exponent}",
 )  # fmt: skip
