@@ -23,8 +23,8 @@ def place_of(proof: Path) -> Path:
         sizes = ProofResult.model_validate_json((proof / RESULT).read_text(encoding="utf-8")).sizes
     except (OSError, ValueError):
         raise HarnessError(f"{proof} holds no finished proof; expected the folder of one") from None
-    alone = sizes.machines > 0 and sizes.singles == 0
-    return Path("reports/proof-machines" if alone else "reports/proof")
+    alone = "" if sizes.singles else "-machines" * (sizes.machines > 0) + "-paths" * (sizes.paths > 0)
+    return Path(f"reports/proof{alone}")
 
 
 def publish(proof: Path, into: Path) -> int:
