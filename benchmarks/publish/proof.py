@@ -23,8 +23,9 @@ def place_of(proof: Path) -> Path:
         sizes = ProofResult.model_validate_json((proof / RESULT).read_text(encoding="utf-8")).sizes
     except (OSError, ValueError):
         raise HarnessError(f"{proof} holds no finished proof; expected the folder of one") from None
-    alone = "" if sizes.singles else "-machines" * (sizes.machines > 0) + "-paths" * (sizes.paths > 0)
-    return Path(f"reports/proof{alone}")
+    if sizes.singles:
+        return Path("reports/proof")
+    return Path("reports/proof-paths" if sizes.paths else "reports/proof-machines")
 
 
 def publish(proof: Path, into: Path) -> int:

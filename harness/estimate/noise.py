@@ -14,7 +14,7 @@ from harness.core.arrays import BoolArray, FloatArray
 FLOOR = 1e-5
 """A trace without noise is given this share of the channel's rms."""
 
-_DECISIVE = 10.0
+DECISIVE = 10.0
 """Twice the logarithm of a likelihood ratio (Kass and Raftery 1995)."""
 _FEWEST_WINDOWS = 4
 _PERIOD_SHARE = 0.12
@@ -154,7 +154,7 @@ class Stamps:
             return -freedom * float(np.sum(spread) + spread.size * math.log(variance(ratio)))
 
         best = max(_RATIOS, key=likelihood)
-        if likelihood(best) - likelihood(0.0) <= _DECISIVE:
+        if likelihood(best) - likelihood(0.0) <= DECISIVE:
             return none
         late = variance(best) * best * slope**2 / fastest
         rest = max(noise.sigma**2 - float(np.mean(late)), variance(best))

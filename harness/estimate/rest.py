@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray
-from harness.estimate.noise import Noise
+from harness.estimate.noise import DECISIVE, Noise
 
 _NOTHING = 1e-300
 """Of a range whose share is taken."""
@@ -16,8 +16,6 @@ _NOISES = 3.0
 """Standard deviations to either side within which a position that rests scatters."""
 _FEWEST = 6
 """Samples of a rest whose force is smoothed: fewer hardly tell its noise from its course."""
-_DECISIVE = 10.0
-"""Twice the logarithm of a likelihood ratio (Kass and Raftery 1995)."""
 
 
 def rests(q: FloatArray, within: float, width: int) -> tuple[IntArray, IntArray]:
@@ -72,12 +70,12 @@ def _course(t: FloatArray, u: FloatArray, sigma: float) -> FloatArray:
         left, right = _left_by_lines(at, y), _left_by_lines(at[::-1] * -1.0, y[::-1])[::-1]
         gain = left[-1] - left[:-1] - right[1:]
         cut = int(np.argmax(gain))
-        if gain[cut] > _DECISIVE + 2.0 * math.log(u.size):
+        if gain[cut] > DECISIVE + 2.0 * math.log(u.size):
             parts += [(a, a + cut + 1), (a + cut + 1, b)]
             continue
         since, level = at - float(np.mean(at)), np.full(b - a, float(np.mean(y)))
         slope = float(since @ y) / float(since @ since)
-        line = level + slope * since if slope**2 * float(since @ since) > _DECISIVE else level
+        line = level + slope * since if slope**2 * float(since @ since) > DECISIVE else level
         out[a:b] = u[a] + sigma * line
     return out
 

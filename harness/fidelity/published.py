@@ -69,7 +69,7 @@ PUBLISHED = (
         "https://arxiv.org/abs/2607.13059",
         "engines on a GPU differ from run to run and from world to world though they start alike",
         "not on a CPU; a GPU was not tried",
-        "each engine gives the same bits in a second run, MuJoCo Warp in each of 16 worlds as well (column repeats)",
+        "every engine asked gives the same bits again, MuJoCo Warp in each of 16 worlds as well (column repeats)",
         "warp@4.0.0(mjx)/joint/as-shipped/dt=own/free-decay",
         "apart_m",
         None,
