@@ -85,7 +85,7 @@ def _models() -> Check:
 
 def _numba_cache() -> Check:
     def find() -> str:
-        from harness.core.jit import cache_folder
+        from harness.core.kernel_cache import cache_folder
 
         folder = cache_folder()
         kernels = sum(1 for _ in folder.rglob("*.nbc"))

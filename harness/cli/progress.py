@@ -3,12 +3,14 @@
 import os
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import TextIO
 
 from harness.app.shared.progress import SILENT, Pace, Progress
 from harness.core.errors import visible
+from harness.core.kernel_cache import cache_folder, newest
 
 PATIENCE_S = 2.0
 """What takes less says nothing."""
@@ -16,6 +18,7 @@ UNSEEN_S = 60.0
 """The same where no terminal draws a bar: what is refused is one line on standard error, and nothing before it."""
 EVERY_S = 10.0
 """Between two lines there."""
+COMPILING = "compiling, once"
 
 
 @contextmanager
@@ -43,10 +46,10 @@ def _copy() -> TextIO | None:
 
 @contextmanager
 def _lines(stream: TextIO) -> Iterator[Progress]:
-    pace = Pace()
+    pace, compiling = Pace(), _Compiling()
 
     def say() -> None:
-        line = pace.line()
+        line = compiling.beside(pace.line())
         if line:
             with suppress(OSError):  # a reader that is gone is no reason to fail
                 stream.write(f"harness: {visible(line)}\n")
@@ -62,7 +65,7 @@ def _bar(stream: TextIO) -> Iterator[Progress]:
     from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
     from rich.progress import Progress as Bar
 
-    pace = Pace()
+    pace, compiling = Pace(), _Compiling()
     bar = Bar(
         TextColumn("{task.description}", markup=False),
         BarColumn(16),
@@ -76,13 +79,28 @@ def _bar(stream: TextIO) -> Iterator[Progress]:
 
     def tell(step: str, done: int, total: int) -> None:
         pace.tell(step, done, total)
-        bar.update(task, description=visible(pace.line()), completed=done, total=total or None)
+        bar.update(task, description=visible(compiling.beside(pace.line())), completed=done, total=total or None)
 
-    with _after(PATIENCE_S, bar.start):
+    def draw() -> None:
+        bar.update(task, description=visible(compiling.beside(pace.line())))
+        bar.start()
+
+    with _after(PATIENCE_S, draw, PATIENCE_S):
         try:
             yield tell
         finally:
             bar.stop()
+
+
+class _Compiling:
+    """Whether kernels have been compiled since the work began, by whichever of its processes."""
+
+    def __init__(self) -> None:
+        self._folder = cache_folder()
+        self._began = time.time()
+
+    def beside(self, line: str) -> str:
+        return f"{line} ({COMPILING})" if newest(self._folder) > self._began else line
 
 
 @contextmanager

@@ -3,17 +3,10 @@
 Kernels are written as ordinary functions and compiled here, so that with NUMBA_DISABLE_JIT=1 coverage and mutation
 testing see the plain code. The cache lies in a folder of the user's, or in a temporary one where that cannot be
 written: a read-only home costs a compilation, not a failure.
-
-Numba's cache is code, and its index files are pickles: whoever can write to it can run a program as the user. A folder
-is used only if it is the user's own and nobody else can write to it.
 """
 
-import atexit
 import hashlib
 import os
-import shutil
-import stat
-import tempfile
 from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
@@ -22,38 +15,9 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
-from platformdirs import user_cache_path
+from harness.core.kernel_cache import cache_folder
 
 F = TypeVar("F", bound=Callable[..., Any])
-
-
-def _private(folder: Path) -> bool:
-    """Whether a folder, made if need be, is the user's own, closed to the writing of others, and can be written."""
-    try:
-        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        about = folder.lstat()
-        if not stat.S_ISDIR(about.st_mode) or about.st_uid != os.geteuid() or about.st_mode & 0o022:
-            return False
-        with tempfile.TemporaryFile(dir=folder):
-            return True
-    except OSError:
-        return False
-
-
-def cache_folder() -> Path:
-    """The folder in which compiled kernels are kept; made if need be.
-
-    NUMBA_CACHE_DIR, else one in the user's cache, else one in the temporary folder; the first that is private. Where
-    none is, one of this process alone, removed at its end.
-    """
-    named = os.environ.get("NUMBA_CACHE_DIR")
-    own = Path(tempfile.gettempdir()) / f"friction-harness-{os.geteuid()}"
-    for folder in (*([Path(named)] if named else []), user_cache_path("friction-harness") / "kernels", own):
-        if _private(folder):
-            return folder
-    folder = Path(tempfile.mkdtemp(prefix="friction-harness-"))
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    return folder
 
 
 os.environ["NUMBA_CACHE_DIR"] = str(cache_folder())

@@ -48,7 +48,7 @@ def test_run_works_without_a_home_and_standard_output_is_json_alone(tmp_path: Pa
 
 
 def test_the_cache_of_kernels_needs_no_home() -> None:
-    program = "from harness.core.jit import cache_folder; print(cache_folder())"
+    program = "from harness.core.kernel_cache import cache_folder; print(cache_folder())"
     kept = {k: v for k, v in environment(HOME=NO_HOME).items() if k != "NUMBA_CACHE_DIR"}
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, env=kept)
     assert os.access(done.stdout.strip(), os.W_OK)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.core import jit
+from harness.core import kernel_cache
 
 
 @pytest.fixture
@@ -17,7 +17,7 @@ def homes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A cache of the user's that cannot be made, and a temporary folder of its own."""
     (tmp_path / "file").touch()
     monkeypatch.delenv("NUMBA_CACHE_DIR")
-    monkeypatch.setattr(jit, "user_cache_path", lambda name: tmp_path / "file" / name)
+    monkeypatch.setattr(kernel_cache, "user_cache_path", lambda name: tmp_path / "file" / name)
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     return tmp_path
 
@@ -27,16 +27,16 @@ def fallback(place: Path) -> Path:
 
 
 def test_a_folder_of_ones_own_is_made_closed_and_found_again(homes: Path) -> None:
-    assert jit.cache_folder() == fallback(homes)
+    assert kernel_cache.cache_folder() == fallback(homes)
     assert stat.S_IMODE(fallback(homes).stat().st_mode) == 0o700
-    assert jit.cache_folder() == fallback(homes)
+    assert kernel_cache.cache_folder() == fallback(homes)
 
 
 @pytest.mark.parametrize("mode", [0o777, 0o770, 0o722])
 def test_a_folder_that_others_can_write_to_is_left_alone(homes: Path, mode: int) -> None:
     fallback(homes).mkdir()
     fallback(homes).chmod(mode)
-    found = jit.cache_folder()
+    found = kernel_cache.cache_folder()
     assert found != fallback(homes)
     assert stat.S_IMODE(found.stat().st_mode) == 0o700
 
@@ -44,7 +44,7 @@ def test_a_folder_that_others_can_write_to_is_left_alone(homes: Path, mode: int)
 def test_a_link_to_somewhere_else_is_left_alone(homes: Path) -> None:
     (homes / "elsewhere").mkdir()
     fallback(homes).symlink_to(homes / "elsewhere")
-    assert jit.cache_folder() != fallback(homes)
+    assert kernel_cache.cache_folder() != fallback(homes)
 
 
 def test_a_folder_of_another_user_is_left_alone(homes: Path) -> None:
@@ -52,15 +52,15 @@ def test_a_folder_of_another_user_is_left_alone(homes: Path) -> None:
         pytest.skip("giving a folder away needs root")
     fallback(homes).mkdir(mode=0o755)
     os.chown(fallback(homes), 12345, -1)
-    assert jit.cache_folder() != fallback(homes)
+    assert kernel_cache.cache_folder() != fallback(homes)
 
 
 def test_a_folder_that_is_named_is_held_to_the_same(homes: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     named = homes / "named"
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(named))
-    assert jit.cache_folder() == named
+    assert kernel_cache.cache_folder() == named
     named.chmod(0o777)
-    assert jit.cache_folder() == fallback(homes)
+    assert kernel_cache.cache_folder() == fallback(homes)
 
 
 def test_a_folder_of_one_process_goes_with_it(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ import pytest
 from killing import COMMAND, ROOT, ended
 
 from harness.cli.main import run
-from harness.core.jit import cache_folder
+from harness.core.kernel_cache import cache_folder
 
 T = np.arange(400) / 200.0
 X = np.exp(-0.5 * T) * np.cos(10.0 * T)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import psutil
 
-from harness.core.jit import cache_folder
+from harness.core.kernel_cache import cache_folder
 
 ROOT = Path(__file__).resolve().parents[2]
 COMMAND = (sys.executable, "-m", "harness.cli")

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.core.errors import SimulationError
-from harness.core.jit import cache_folder
+from harness.core.kernel_cache import cache_folder
 from harness.proof.blind import BlindProcess
 from harness.proof.drawing import drawn
 from harness.proof.plan import Job

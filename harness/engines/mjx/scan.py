@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from harness.core.errors import SimulationError
-from harness.core.jit import cache_folder
+from harness.core.kernel_cache import cache_folder
 from harness.core.quiet import quiet
 from harness.engines.base import Route
 from harness.engines.mujoco.at_once import Ready

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from harness.core.errors import SimulationError
-from harness.core.jit import cache_folder
+from harness.core.kernel_cache import cache_folder
 from harness.core.quiet import quiet
 from harness.engines.mujoco.at_once import Ready
 from harness.engines.mujoco.held import OF_MODEL, Recorded
