@@ -90,9 +90,17 @@ def is_commanded(name: str) -> bool:
     return bool(COMMANDED & set(re.split(r"[^a-z]+", name.lower())))
 
 
+_ABSOLUTE = re.compile(r"^(?:abs(?:u|f|tau|effort|force|torque)?\d*(?![^\W_])|\|)|[\s_]abs$", re.IGNORECASE)
+
+
+def is_magnitude(name: str) -> bool:
+    """Whether a name says an absolute value ("absu1_Nm", "abs_torque", "|F|")."""
+    return bool(_ABSOLUTE.search(name.strip()))
+
+
 def meaning(name: str) -> Meaning | None:
     """The channel of a column ("Position 1", "/joint_states/position[0]", "x_rad"); None for any other name."""
-    if is_commanded(name):
+    if is_commanded(name) or is_magnitude(name):
         return None
     *before, last = re.split(r"[/.](?=[^\d])", name.strip())
     if before and last.lower() in ("x", "y", "z") and word_of(before[-1]):

@@ -14,8 +14,9 @@ from harness.core.bounded import MOST_BYTES, check_file, check_size
 from harness.core.errors import InputError
 from harness.core.recording import CHANNELS, LARGEST, LONGEST_TIME, MINIMUM_SAMPLES, Recording
 from harness.io.choose import as_angles, chosen, products, quoted_of, said
-from harness.io.columns import parse_columns
+from harness.io.columns import Mapping, is_magnitude, parse_columns
 from harness.io.join import joined
+from harness.io.logs.suspicions import unsigned
 from harness.io.options import ReadOptions, RefusedError, tried
 from harness.io.registry import BAGS, formats, kind_of, reader_of
 from harness.io.table import Table
@@ -167,11 +168,11 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     mappings, guessed = choice.mappings, choice.guessed
     read, turns = as_angles(path, products(table, mappings)) if options.angle else (products(table, mappings), None)
     dated = counted_from(table, mappings)
-    notes: list[str | None] = [said(table, mappings, {c: unit for c, (_, unit) in read.items()}, guessed)]
     steady = "t" not in mappings and options.rate is None
-    notes += [*choice.notes, step, turns, _STEADY if steady else None]
-    asked = options.covariates
-    beside = dict(zip(asked, table.read([table.position(name) for name in asked]), strict=True)) if asked else {}
+    guesses = said(table, mappings, {c: unit for c, (_, unit) in read.items()}, guessed)
+    notes: list[str | None] = [guesses, *choice.notes, step, turns, _STEADY if steady else None]
+    named = [table.position(name) for name in options.covariates]
+    beside = dict(zip(options.covariates, table.read(named) if named else (), strict=True))
     sizes = {name: values.size for name, values in (*((c, y) for c, (y, _) in read.items()), *beside.items())}
     if len(set(sizes.values())) > 1:
         found = ", ".join(f"{size} values of {channel}" for channel, size in sizes.items())
@@ -208,6 +209,7 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     covariates = {name: values[rows][keep] for name, values in beside.items()}
     for name, values in (*channels.items(), *covariates.items()):
         _check_rows(table, name, values, rows[keep])
+    _check_signed(table, mappings, channels)
     angular = _angular({channel: unit for channel, (_, unit) in read.items()})
     if "x" in channels and (angular or "v" in channels):
         channels["x"], wrapped = unwrapped(t[keep], channels["x"], channels.get("v"), read["x"][1].factor)
@@ -229,6 +231,16 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
         mended=tuple(filter(None, mended)),
         steady=steady,
     )
+
+
+def _check_signed(table: Table, mappings: dict[str, Mapping], channels: dict[str, FloatArray]) -> None:
+    """Raise InputError where the force has lost its sign, by its name or by what it does beside the position."""
+    places = [table.position(name) for name in mappings["u"].names] if "u" in mappings else []
+    names = [table.names[at] for at in places if at >= 0]
+    moved = {"": channels["x"]} if names and "x" in channels else {}
+    if any(map(is_magnitude, names)) or (moved and unsigned(moved, {"": channels["u"]})):
+        found = "values without a sign, which say nothing of friction"
+        raise InputError(f"{table.path}: column {'*'.join(names)}, as u", found, "a force or torque with its sign")
 
 
 def _run_below(t: FloatArray, rows: IntArray, options: ReadOptions, beside: int, file: str) -> tuple[IntArray, int]:

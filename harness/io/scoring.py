@@ -15,7 +15,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
-from harness.io.columns import CHANNELS, is_angle, is_commanded, marked, meaning, unit_ending, word_of
+from harness.io.columns import CHANNELS, is_angle, is_commanded, is_magnitude, marked, meaning, unit_ending, word_of
 from harness.io.table import Table
 from harness.io.times import SCALES, clock_unit, unrolled
 from harness.io.units import RAW, is_unit_of, parse_unit
@@ -44,7 +44,7 @@ _SCALED, _NUMBERS, _NAME, _UNIT = range(-1, 3)
 """By what a column's channel is told, the strongest last; a voltage or a count needs its scale first."""
 _COUNTS = {"row", "index", "idx", "sample", "frame", "count", "id", "nr", "no", "cycle", "step", "line"}
 """Words of a column that counts rows."""
-_NO_SIGN = re.compile(r"^abs(?![^\W_])|absolute|magnitude|norm|\bsigma|\bstd|uncertainty", re.IGNORECASE)
+_NO_SIGN = re.compile(r"absolute|magnitude|norm|\bsigma|\bstd|uncertainty", re.IGNORECASE)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -229,7 +229,7 @@ def _columns(table: Table) -> Iterator[Column]:
     some = [
         i
         for i, header in enumerate(table.headers[:_MOST_COLUMNS])
-        if not (is_commanded(header) or _NO_SIGN.search(header))
+        if not (is_commanded(header) or is_magnitude(header) or _NO_SIGN.search(header))
     ]
     with suppress(InputError, IndexError):  # one of text, which is read, and left out, below
         some = some[: max(_MOST_CELLS // max(table.columns(some[:1])[0].size, 1), _FEWEST)]
