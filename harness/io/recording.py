@@ -177,18 +177,7 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     if len(set(sizes.values())) > 1:
         found = ", ".join(f"{size} values of {channel}" for channel, size in sizes.items())
         raise InputError(str(path), found, "columns of one length")
-    rows = np.arange(next(iter(sizes.values())))
-    every = (*(values for values, _ in read.values()), *beside.values())
-    mended: list[str | None] = list(table.mended)
-    last = _last_value(every)
-    if last < rows.size:
-        mended.append(f"The last {rows.size - last} rows, without a value in these columns, are skipped.")
-        rows = rows[:last]
-    whole = rows[~np.any([np.isnan(values[rows]) for values in every], axis=0)]
-    if rows.size > whole.size and (options.drop_nan or rows.size - whole.size <= max(_MOST_LOST * rows.size, 1)):
-        first, many = table.row(int(np.setdiff1d(rows, whole)[0])), rows.size - whole.size
-        mended.append(f"{many} rows without a value, the first of them {first}, are skipped.")
-        rows = whole
+    rows, mended = _whole(table, (*(values for values, _ in read.values()), *beside.values()), options)
     about: dict[str, Any] = {"runs": choice.runs}
     if steady or options.rate is not None:
         with np.errstate(over="ignore"):
@@ -291,6 +280,22 @@ def _stamped(stamps: FloatArray, unit: Unit, rows: IntArray, dated: str | None) 
     with np.errstate(over="ignore", invalid="ignore"):
         t, since_1970 = since_first(t, unit)
     return t, [since_1970, whole_numbers(t, unit)]
+
+
+def _whole(table: Table, columns: Sequence[FloatArray], options: ReadOptions) -> tuple[IntArray, list[str | None]]:
+    """The rows in which every column (n,) has a value, where those that lack one are few, and what is said of them."""
+    mended: list[str | None] = list(table.mended)
+    rows = np.arange(columns[0].size)
+    last = _last_value(columns)
+    if last < rows.size:
+        mended.append(f"The last {rows.size - last} rows, without a value in these columns, are skipped.")
+        rows = rows[:last]
+    whole = rows[~np.any([np.isnan(values[rows]) for values in columns], axis=0)]
+    if rows.size > whole.size and (options.drop_nan or rows.size - whole.size <= max(_MOST_LOST * rows.size, 1)):
+        first, many = table.row(int(np.setdiff1d(rows, whole)[0])), rows.size - whole.size
+        mended.append(f"{many} rows without a value, the first of them {first}, are skipped.")
+        rows = whole
+    return rows, mended
 
 
 def _last_value(columns: Sequence[FloatArray]) -> int:
