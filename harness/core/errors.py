@@ -52,6 +52,10 @@ class SimulationError(HarnessError):
     """A run that could not be completed (diverged, unsupported); the row or file it belongs to says why."""
 
 
+class NoDeviceError(SimulationError):
+    """A run that was asked of a device that this machine does not have."""
+
+
 class StoreError(HarnessError):
     """A result that could not be written: full disk, no permission, path taken."""
 

@@ -83,8 +83,9 @@ class Engine(ABC):
     name : as in the entry point. package : what is installed of it, whose version it has. routes : those the engine
     has; the others are refused with a SimulationError. bodies : whether it has bodies with six freedoms, on the contact
     route. native : kinds of elements that its joint has words for; a term made of those needs no law. calls : whether
-    something can be called within its steps, as force laws and a pendulum are. batches : whether it runs many tasks at
-    once. place : name of the environment it runs in, empty for that of this process.
+    something can be called within its steps, as force laws and a pendulum are. curves : whether it computes a
+    CurveBelt's friction itself. batches : whether it runs many tasks at once. place : name of the environment it runs
+    in, empty for that of this process.
     """
 
     name: ClassVar[str]
@@ -93,6 +94,7 @@ class Engine(ABC):
     bodies: ClassVar[bool] = False
     native: ClassVar[Kinds] = frozenset()
     calls: ClassVar[bool] = True
+    curves: ClassVar[bool] = False
     batches: ClassVar[bool] = False
     place: ClassVar[str] = ""
 
@@ -125,7 +127,7 @@ class Engine(ABC):
         See Task.
         """
         task = Task(scenario, route, preset, dt, settings or {})
-        if not isinstance(scenario.action, CurveBelt):
+        if self.curves or not isinstance(scenario.action, CurveBelt):
             return task
         level, words = curve_of(scenario.slider, scenario.action, self.native if route == "joint" else frozenset())
         # the curve ends at the break-away force by itself
@@ -165,7 +167,7 @@ def resolve(engine: Engine, task: Task) -> dict[str, Any]:
         raise SimulationError(f"{engine.name}: no bodies with six freedoms on the {task.route} route")
     if task.words is not None and (not engine.native or task.route != "joint"):
         raise SimulationError(f"{engine.name}: its joint has no words for polynomials on the {task.route} route")
-    if isinstance(task.scenario.action, CurveBelt) and task.law is None:
+    if isinstance(task.scenario.action, CurveBelt) and task.law is None and not engine.curves:
         raise SimulationError(f"{engine.name}: the belt's curve is none of the task's laws; Engine.task makes it one")
     if not engine.calls and (task.law is not None or task.restoring == "pendulum"):
         raise SimulationError(f"{engine.name}: no force laws and no pendulum: nothing can be called within its steps")

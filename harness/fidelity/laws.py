@@ -150,7 +150,7 @@ class Told:
     by: str
 
 
-WORD, SET, FORCE, NONE = "its own word", "set in each step", "a force", "not at all"
+WORD, SET, FORCE = "its own word", "set in each step", "a force"
 TOLD = (
     Told(
         "mujoco",
@@ -167,10 +167,10 @@ TOLD = (
     Told("drake", SET, SET, FORCE, "CoulombFriction of both surfaces, which are assigned anew"),
     Told("physx", WORD, SET, FORCE, "staticFrictionEffort and dynamicFrictionEffort; its viscous part is linear"),
     Told("newton", SET, SET, FORCE, "joint_friction, and notify_model_changed"),
-    Told("mjx", SET, NONE, NONE, "dof_frictionloss in the scan; polynomials are dropped without a word"),
-    Told("warp", SET, NONE, NONE, "dof_frictionloss in a kernel of its own before the step"),
+    Told("mjx", SET, SET, FORCE, "dof_frictionloss in the scan; its own polynomials are dropped without a word"),
+    Told("warp", SET, SET, FORCE, "dof_frictionloss in a kernel of its own before the step"),
 )
-"""On the law route all three are one force, in each engine within whose steps something can be called."""
+"""On the law route all three are one force."""
 
 STIFFNESS, STEP, MASS, DAMPING = 4500.0, 4e-3, 1.0, 20.0
 """A robot's servo: N/m, s, kg, N s/m."""

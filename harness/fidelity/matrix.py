@@ -348,7 +348,7 @@ class Matrix:
         yield from ((variant, trained) for variant in effort_variants(engine.name, route))
         if engine.bodies and (bodies := suite(route, sliders, "bodies")):
             yield from ((variant, bodies) for variant in _BODIES.get(engine.name, _LAW))
-        if engine.calls:
+        if engine.calls or engine.curves:
             yield from ((variant, suite(route, sliders, "laws")) for variant in _CURVES)
 
     def _steps(self, variant: Variant) -> tuple[float | None, ...]:

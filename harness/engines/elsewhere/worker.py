@@ -72,6 +72,6 @@ def _made(where: str) -> Engine:
 
 def _answer(engine: Engine, what: str, *given: Any) -> Any:
     if what == "about":
-        about = {name: getattr(engine, name) for name in ("routes", "native", "calls", "batches")}
+        about = {name: getattr(engine, name) for name in ("routes", "native", "calls", "curves", "batches")}
         return engine.name, engine.version(), about | {"place": Path(sys.prefix).name}
     return getattr(engine, what)(*given)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.core.errors import SimulationError
+from harness.core.errors import NoDeviceError
 from harness.core.kernel_cache import cache_folder
 from harness.core.quiet import quiet
 from harness.engines.base import Route
@@ -34,7 +34,7 @@ _programs: dict[tuple[Any, ...], Callable[..., Any]] = {}
 class Scans:
     """Tasks of one structure, compiled and ready to run at once. sticks : see harness.engines.stepping.Stepped.
 
-    Raises SimulationError for a device that is not here.
+    Raises NoDeviceError for a device that is not here.
     """
 
     def __init__(self, tasks: Sequence[Ready], structure: tuple[Any, ...], sticks: float) -> None:
@@ -73,7 +73,7 @@ class Scans:
         try:
             device = jax.devices(name)[0]
         except RuntimeError:
-            raise SimulationError(f"mjx: no {name} that jax can use") from None
+            raise NoDeviceError(f"mjx: no {name} that jax can use") from None
         with jax.enable_x64(self._settings["precision"] == 64), jax.default_device(device):
             yield device
 
@@ -108,12 +108,16 @@ def _program(mx: Any, first: Held, settings: dict[str, Any], count: int, sticks:
 
         def step(carried: Any, push: Any) -> Any:
             d, stuck = carried
-            limit = jnp.where(stuck, numbers["f_s"], numbers["f_k"])
-            m, q, speed = limited(model, limit, weight), d.qpos, d.qvel
+            q, speed = d.qpos, d.qvel
+            u, falling = speed[0], numbers["falling"]
+            falls = numbers["f_k"] + (numbers["f_s"] - numbers["f_k"]) * jnp.exp(-((falling * u) ** 2))
+            limit = jnp.where(falling > 0.0, falls, jnp.where(stuck, numbers["f_s"], numbers["f_k"]))
+            push = push - u * jnp.abs(u) * (numbers["c_2"] + numbers["c_3"] * jnp.abs(u))
+            m = limited(model, limit, weight)
             friction = zero
             if route == "law":
-                others = push - numbers["spring"] * q[0] - numbers["damper"] * speed[0]
-                friction = jnp.clip(numbers["metric"] * speed[0] + others, -limit, limit)
+                others = push - numbers["spring"] * q[0] - numbers["damper"] * u
+                friction = jnp.clip(numbers["metric"] * u + others, -limit, limit)
             d = d.replace(qfrc_applied=nowhere.at[0].set(push - friction))
             # after the stages data are those of the last one
             before = d
@@ -124,7 +128,7 @@ def _program(mx: Any, first: Held, settings: dict[str, Any], count: int, sticks:
             normal = seen.qfrc_constraint[1] if route == "contact" else weight
             height = q[1] if route == "contact" else zero
             stuck = jnp.abs(friction) < sticks * limit * normal / weight
-            return (d, stuck), jnp.stack([q[0], speed[0], seen.qacc[0], friction, limit, height, normal])
+            return (d, stuck), jnp.stack([q[0], u, seen.qacc[0], friction, limit, height, normal])
 
         q, speed, warm, stuck = state
         begun = empty.replace(qpos=q, qvel=speed, qacc_warmstart=warm)

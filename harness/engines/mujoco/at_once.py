@@ -29,6 +29,7 @@ class AtOnce(Engine):
     """An engine within whose steps nothing can be called, and that takes as many sliders as there are."""
 
     calls: ClassVar[bool] = False
+    curves: ClassVar[bool] = True
     batches: ClassVar[bool] = True
 
     @abstractmethod
@@ -53,7 +54,7 @@ class AtOnce(Engine):
 
     @abstractmethod
     def ready(self, group: Sequence[Ready]) -> Runs:
-        """Tasks that are alike, compiled. Raises SimulationError for a device that is not here."""
+        """Tasks that are alike, compiled. Raises NoDeviceError for a device that is not here."""
 
     def sticks_below(self, settings: dict[str, Any]) -> float:
         """See harness.engines.stepping.Stepped."""

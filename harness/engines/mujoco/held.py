@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 
 from harness.core.arrays import FloatArray
+from harness.core.scenario import CurveBelt
 from harness.engines.base import Task
 from harness.engines.joint_words import GRAVITY
 from harness.engines.mujoco.build import spec_of
@@ -76,9 +77,10 @@ class Held:
 
     def numbers(self, settings: dict[str, Any]) -> dict[str, float]:
         """What a program needs besides the model: levels of friction and weight, N; spring, damper; on the law route
-        the inertia over the step that stops the joint within it, kg/s.
+        the inertia over the step that stops the joint within it, kg/s; of a belt's curve 1/v_s, 0 for none, c_2, c_3.
         """
-        slider = self.task.scenario.slider
+        slider, belt = self.task.scenario.slider, self.task.scenario.action
+        curve = (1.0 / belt.v_s, belt.c_2, belt.c_3) if isinstance(belt, CurveBelt) else (0.0, 0.0, 0.0)
         return {
             "f_k": max(slider.f_k, NEARLY_NONE * slider.break_away),
             "f_s": slider.break_away,
@@ -86,6 +88,7 @@ class Held:
             "spring": slider.k if self.task.restoring == "spring" else 0.0,
             "damper": slider.c,
             "metric": slider.m / settings["dt"] + (0.0 if settings["integrator"] == "RK4" else slider.c),
+            **dict(zip(("falling", "c_2", "c_3"), curve, strict=True)),
         }
 
     def motion(self, found: Recorded, dt: float, sticks_below: float = UNSATURATED) -> Motion:
@@ -94,15 +97,14 @@ class Held:
         t: FloatArray = np.arange(found.q.size, dtype=np.float64) * dt
         x, v = found.q + self.frame * t, found.speed + self.frame
         x[0], v[0] = task.scenario.x0, task.scenario.v0
-        slides = np.abs(found.friction) >= sticks_below * found.limit
+        floor = task.route == "contact"
+        limit = found.limit * (found.normal / (slider.m * GRAVITY) if floor else 1.0)
+        slides = np.abs(found.friction) >= sticks_below * limit
         a = found.a + np.where(slides, self.early / slider.m, 0.0)
         friction = found.friction + np.where(slides, 0.0, self.early)
-        limit = found.limit * sticks_below / UNSATURATED
-        applied = driving_force(task, t)
-        if task.route != "contact":
-            return Motion(x, v, a, applied, friction, limit)
-        weighed = limit * found.normal / (slider.m * GRAVITY)
-        return Motion(x, v, a, applied, friction, weighed, found.height, found.normal)
+        limit = limit * sticks_below / UNSATURATED
+        lifted = (found.height, found.normal) if floor else (None, None)
+        return Motion(x, v, a, driving_force(task, t), friction, limit, *lifted)
 
 
 def held(task: Task, settings: dict[str, Any]) -> Held:

@@ -7,7 +7,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from harness.core.errors import SimulationError
+from harness.core.errors import NoDeviceError
 from harness.core.kernel_cache import cache_folder
 from harness.core.quiet import quiet
 from harness.engines.mujoco.at_once import Ready
@@ -25,7 +25,7 @@ with quiet(log):  # it says what it finds
 
 _CONTACTS, _ROWS = 8, 32
 """Contacts and rows of constraints of a world, at most."""
-_F_K, _F_S, _WEIGHT, _SPRING, _DAMPER, _METRIC = (wp.constant(i) for i in range(6))
+_F_K, _F_S, _WEIGHT, _SPRING, _DAMPER, _METRIC, _FALLING, _C_2, _C_3 = (wp.constant(i) for i in range(9))
 _Q, _SPEED, _A, _FRICTION, _LIMIT, _HEIGHT, _NORMAL = (wp.constant(i) for i in range(7))
 _CONTACT, _LAW = (wp.constant(i) for i in (1, 2))
 _ROUTES = {"joint": 0, "contact": 1, "law": 2}
@@ -48,12 +48,15 @@ def _push(
     """Before a step: push each world and limit its friction."""
     world = wp.tid()
     step = moment[0]
-    limit = numbers[world, _F_K]
-    if stuck[world] != 0:
-        limit = numbers[world, _F_S]
     q = qpos[world, 0]
     speed = qvel[world, 0]
-    push = pushes[world, step]
+    limit = numbers[world, _F_K]
+    falling = numbers[world, _FALLING]
+    if falling > 0.0:
+        limit += (numbers[world, _F_S] - limit) * wp.exp(-falling * speed * falling * speed)
+    elif stuck[world] != 0:
+        limit = numbers[world, _F_S]
+    push = pushes[world, step] - speed * wp.abs(speed) * (numbers[world, _C_2] + numbers[world, _C_3] * wp.abs(speed))
     if rubs != 0:
         frictionloss[world, 0] = limit
     if route == _CONTACT:
@@ -120,7 +123,7 @@ with quiet(log):
 class Worlds:
     """Tasks that are alike, ready to run at once. sticks : see harness.engines.stepping.Stepped.
 
-    Raises SimulationError for a device that is not here.
+    Raises NoDeviceError for a device that is not here.
     """
 
     def __init__(self, tasks: Sequence[Ready], sticks: float) -> None:
@@ -185,8 +188,8 @@ class Worlds:
 
 
 def _device(name: str) -> Any:
-    """Raises SimulationError where there is none."""
+    """Raises NoDeviceError where there is none."""
     found = "cpu" if name == "cpu" else next((one for one in wp.get_devices() if one.is_cuda), None)
     if found is None:
-        raise SimulationError(f"warp: no {name} that warp can use")
+        raise NoDeviceError(f"warp: no {name} that warp can use")
     return found
