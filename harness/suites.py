@@ -186,7 +186,7 @@ def regress(
         raise InputError("regress", "no baseline to compare with", "a baseline, or traces without update")
     rows = room.fresh_rows(options)
     if update:
-        room.update(Path(baseline), rows, some=any(patterns.values()))
+        room.update(Path(baseline), rows, options)
     return room.compared(Path(baseline), rows, options)
 
 

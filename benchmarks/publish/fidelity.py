@@ -39,7 +39,7 @@ def publish(into: Path, elsewhere: Sequence[str] = ()) -> int:
             raise HarnessError(f"{len(broken)} rows could not be run, {broken[0]} first; nothing was published")
         if (into / "baseline.json").is_file():
             shutil.copyfile(into / "baseline.json", result.folder / "baseline.json")
-        update(result.folder / "baseline.json", {row["name"]: kept(row) for row in result.rows()})
+        update(result.folder / "baseline.json", {row["name"]: kept(row) for row in result.rows()}, options)
         for keep in range(WORST, -1, -1):
             files, size = _finished(result, replace(options, keep=keep))
             if size <= LARGEST:

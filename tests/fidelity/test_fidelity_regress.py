@@ -54,7 +54,7 @@ def rows(fresh: room.Rows) -> room.Rows:
 
 @pytest.fixture
 def baseline(rows: room.Rows, tmp_path: Path) -> Path:
-    room.update(tmp_path / "baseline.json", rows)
+    room.update(tmp_path / "baseline.json", rows, ONE)
     return tmp_path / "baseline.json"
 
 
@@ -149,8 +149,19 @@ def test_a_missing_row_is_a_regression_only_of_a_whole_matrix(rows: room.Rows, b
 
 def test_update_of_one_engine_keeps_the_others(rows: room.Rows, baseline: Path) -> None:
     other = {name.replace("mujoco", "pybullet"): row | {"engine": "pybullet"} for name, row in rows.items()}
-    room.update(baseline, other)
+    room.update(baseline, other, SweepOptions(("pybullet",)))
     assert set(room.load_baseline(baseline).rows) == set(rows) | set(other)
+
+
+@pytest.mark.parametrize("part", [{"short": True}, {"routes": ("joint",)}, {"steps": (1e-3,)}, {"presets": ("tuned",)}])
+def test_update_of_a_part_keeps_the_rest_and_of_the_whole_drops_what_is_gone(
+    part: dict[str, Any], rows: room.Rows, baseline: Path
+) -> None:
+    fewer = dict(list(rows.items())[:-1])
+    room.update(baseline, fewer, SweepOptions(("mujoco",), **part))
+    assert set(room.load_baseline(baseline).rows) == set(rows)
+    room.update(baseline, fewer, SweepOptions(("mujoco",)))
+    assert set(room.load_baseline(baseline).rows) == set(fewer)
 
 
 @pytest.fixture(scope="module")

@@ -37,7 +37,7 @@ def fresh() -> room.Rows:
 def baseline(fresh: room.Rows, tmp_path: Path) -> Path:
     """One in which the hold crept less than it does."""
     better = {**fresh[HOLD]["metrics"], "creep_m_s": 0.1 * fresh[HOLD]["metrics"]["creep_m_s"]}
-    room.update(tmp_path / "friction.json", fresh | {HOLD: fresh[HOLD] | {"metrics": better}})
+    room.update(tmp_path / "friction.json", fresh | {HOLD: fresh[HOLD] | {"metrics": better}}, SOME())
     return tmp_path / "friction.json"
 
 
@@ -86,7 +86,7 @@ def test_what_is_skipped_is_not_missing(fresh: room.Rows, baseline: Path) -> Non
 
 def test_an_update_of_some_rows_keeps_the_others(fresh: room.Rows, baseline: Path) -> None:
     before = room.load_baseline(baseline).rows
-    room.update(baseline, {BELT: fresh[BELT] | {"metrics": {}}}, some=True)
+    room.update(baseline, {BELT: fresh[BELT] | {"metrics": {}}}, SweepOptions(("mujoco",), only=(BELT,)))
     after = room.load_baseline(baseline).rows
     assert after[HOLD] == before[HOLD]
     assert after[BELT].metrics == {}

@@ -56,16 +56,14 @@ def matrix_names(options: SweepOptions) -> list[str]:
     return [spec.name for spec in matrix.specs(engines_for(options))]
 
 
-def update(path: Path, rows: Rows, some: bool = False) -> Baseline:
-    """Write rows as the baseline; those of engines and versions that were not run stay. Raises StoreError.
-
-    some : only some rows of a version were run, and its others stay as well.
-    """
+def update(path: Path, rows: Rows, options: SweepOptions) -> Baseline:
+    """Write rows as the baseline; what these options did not run stays. Raises StoreError."""
     found = dict(rows)
     if path.is_file():
         run = {version_of(row) for row in rows.values()}
         old = {name: row.model_dump() for name, row in load_baseline(path).rows.items()}
-        found = {name: row for name, row in old.items() if some or version_of(row) not in run} | found
+        rerun = {name for name, row in old.items() if version_of(row) in run and options.rows.runs(name)}
+        found = {name: row for name, row in old.items() if not options.whole or name not in rerun} | found
     baseline = Baseline(
         machine=this_machine(), rows={name: BaselineRow.model_validate(found[name]) for name in sorted(found)}
     )
@@ -135,7 +133,7 @@ def compared(path: Path, rows: Rows, options: SweepOptions) -> RegressResult:
     """
     known = held(path)
     before = against(known, rows)
-    if not (options.short or options.presets or options.steps or options.routes):
+    if options.whole:
         labels = {version_of(row): name.partition("/")[0] for name, row in rows.items()}
         every = known_rows(known, labels)
         before |= {name: row for name, row in every.items() if name not in rows and options.rows.runs(name)}

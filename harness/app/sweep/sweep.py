@@ -79,6 +79,11 @@ class SweepOptions:
         return Matrix(routes, self.presets, self.steps, self.short, self.sliders, self.rows)
 
     @property
+    def whole(self) -> bool:
+        """Whether patterns choose from all rows of an engine."""
+        return not (self.routes or self.presets or self.steps or self.short)
+
+    @property
     def rows(self) -> Selection:
         """Rows that are run, skipped and known to fail."""
         return Selection.of(self.only, self.skip, self.xfail)

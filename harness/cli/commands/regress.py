@@ -82,7 +82,7 @@ def command(
             fresh = room.fresh_rows(options, progress)
         names = list(fresh)
         if update:
-            written = room.update(baseline, fresh, some=any(rows.values()))
+            written = room.update(baseline, fresh, options)
             to.give(written, lambda _: say(f"{baseline}: {len(written.rows)} rows"))
             return 0
         result = room.compared(baseline, fresh, options)
