@@ -14,7 +14,7 @@ from harness.core.trajectory import Trajectory
 from harness.engines.base import PRESETS, Engine, Preset, Route, Task
 from harness.fidelity.kind import Metrics, kind_of
 from harness.fidelity.metrics import measure_contact, recovered
-from harness.fidelity.repeats import SCENARIO, repeats
+from harness.fidelity.repeats import SCENARIO, Repeated, repeats
 from harness.results.sweep import SweepRow
 
 
@@ -132,8 +132,8 @@ def _measured(engine: Engine, spec: Spec, asked: Task, trace: Trajectory | Harne
     if isinstance(trace, HarnessError):
         return failed(spec, _reason(trace))
     try:
-        apart = repeats(engine, asked, trace) if spec.repeats else None
-        return succeeded(spec, trace, measure_row(trace, spec.scenario), apart)
+        again = repeats(engine, asked, trace) if spec.repeats else None
+        return succeeded(spec, trace, measure_row(trace, spec.scenario), again)
     except Exception as error:  # one row never stops the others
         return failed(spec, _reason(error))
 
@@ -155,7 +155,7 @@ def measure_row(trace: Trajectory, scenario: Scenario) -> Metrics:
     return {name: value if value is None or math.isfinite(value) else None for name, value in found.items()}
 
 
-def succeeded(spec: Spec, trace: Trajectory, metrics: Metrics, apart: Mapping[str, float] | None = None) -> SweepRow:
+def succeeded(spec: Spec, trace: Trajectory, metrics: Metrics, again: Repeated | None = None) -> SweepRow:
     source = trace.source
     wall = source.wall_s
     return SweepRow(
@@ -164,7 +164,8 @@ def succeeded(spec: Spec, trace: Trajectory, metrics: Metrics, apart: Mapping[st
         ignored=list(source.ignored),
         integrator=integrator(source.settings),
         effort=effort(source.settings) if spec.route != "law" else None,
-        apart_m=dict(apart) if apart else None,
+        apart_m=(again and again.apart_m) or None,
+        not_again=(again and again.failed) or None,
         dt_s=source.dt,
         metrics=metrics,
         exact=kind_of(spec.scenario).answers(spec.scenario),

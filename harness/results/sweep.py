@@ -25,6 +25,7 @@ class SweepRow(Result):
     apart_m: dict[str, float] | None = rare(
         "largest difference of position between runs, worlds and devices; 0 is the same to the last bit"
     )
+    not_again: dict[str, str] | None = rare("why it did not run again, by runs, worlds and devices")
     dt_s: float | None
     scenario: str
     slider: dict[str, float]

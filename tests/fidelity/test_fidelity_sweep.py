@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Future
 from dataclasses import replace
 from pathlib import Path
@@ -27,13 +27,13 @@ from harness.app.sweep import sweep as room
 from harness.app.sweep.parts import Parts, computed, failed_row
 from harness.app.sweep.sweep import SweepOptions, sweep
 from harness.cli.main import run
-from harness.core.errors import HarnessError, SimulationError, StoreError
+from harness.core.errors import HarnessError, NoDeviceError, SimulationError, StoreError
 from harness.core.trajectory import Source, Trajectory
 from harness.core.writing import explained
 from harness.engines import registry
 from harness.engines.base import Engine, Preset, Route, Task
 from harness.fidelity.repeats import repeats
-from harness.fidelity.row import run_rows, task
+from harness.fidelity.row import run_rows, succeeded, task
 from harness.results.generate import schema_text
 from harness.results.sweep import SweepResult, SweepRow
 
@@ -91,22 +91,44 @@ class Forgetful(Engine):
     batches: ClassVar[bool] = True
     runs = 0
 
+    def __init__(self, batch: HarnessError | None = None, gpu: HarnessError | None = None) -> None:
+        self.batch, self.gpu = batch, gpu
+
     def presets(self, route: Route, preset: Preset, dt: float | None = None) -> dict[str, Any]:
         return {}
 
     def simulate(self, task: Task) -> Trajectory:
+        if self.gpu is not None and task.settings.get("device") == "gpu":
+            raise self.gpu
         t = np.linspace(0.0, 1.0, 5)
         Forgetful.runs += 1
         return Trajectory(t, t + 1e-3 * self.runs, t, t, Source("forgetful", "tuned", settings={"device": "cpu"}))
+
+    def simulate_all(self, tasks: Sequence[Task]) -> list[Trajectory | HarnessError]:
+        found = super().simulate_all(tasks)
+        return found if self.batch is None else [*found[1:], self.batch]
 
 
 def test_what_does_not_repeat_itself_is_told_between_runs_worlds_and_devices() -> None:
     spec = next(one for one in SMALL.matrix.specs({"mujoco": registry.load("mujoco")}) if one.repeats)
     asked = task(registry.load("mujoco"), spec)
     found = repeats(Forgetful(), asked, Forgetful().simulate(asked))
-    assert found == pytest.approx({"runs": 1e-3, "worlds": 15e-3, "devices": 18e-3})
+    assert found.apart_m == pytest.approx({"runs": 1e-3, "worlds": 15e-3, "devices": 18e-3})
+    assert found.failed == {}
     for other in (replace(spec, draw=1), replace(spec, preset="stiff"), replace(spec, changed=(("dt", 1.0),))):
         assert not other.repeats
+
+
+def test_what_fails_when_it_is_run_again_is_told_and_a_device_that_is_not_here_is_no_failure(tmp_path: Path) -> None:
+    spec = next(one for one in SMALL.matrix.specs({"mujoco": registry.load("mujoco")}) if one.repeats)
+    asked = task(registry.load("mujoco"), spec)
+    engine = Forgetful(batch=SimulationError("diverged"), gpu=NoDeviceError("no gpu"))
+    found = repeats(engine, asked, engine.simulate(asked))
+    assert (list(found.apart_m), found.failed) == (["runs"], {"worlds": "diverged"})
+    row = succeeded(spec, engine.simulate(asked), {}, found).model_dump()
+    parts = Parts(tmp_path)
+    parts.write([row, row | {"not_again": None}])
+    assert [one["not_again"] for one in parts.read()] == [{"worlds": "diverged"}, None]
 
 
 def test_rows_that_differ_in_their_slider_alone_go_together_to_an_engine_that_runs_many_at_once() -> None:

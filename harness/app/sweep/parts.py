@@ -53,8 +53,8 @@ def failed_row(spec: Spec, why: str) -> dict[str, Any]:
 Row = dict[str, Any]
 
 FOLDER = "rows"
-AS_TEXT = ("settings", "changed", "slider", "setup")
-"""Fields of free form; they are JSON text in a part."""
+AS_TEXT = ("settings", "changed", "slider", "setup", "not_again")
+"""Fields of free form; they are JSON text in a part. The last is not of every row."""
 AS_MAP = ("metrics", "exact", "effort", "apart_m")
 """Numbers by name; the last two are not of every row."""
 
@@ -85,14 +85,14 @@ class Parts:
 
         flat = [
             row
-            | {name: json.dumps(row[name], sort_keys=True) for name in AS_TEXT}
+            | {name: json.dumps(row[name], sort_keys=True) for name in AS_TEXT if row.get(name) is not None}
             | {name: list(row[name].items()) for name in AS_MAP if row.get(name) is not None}
             for row in rows
         ]
         table = pa.Table.from_pylist(flat, schema=_schema())
         path = self._folder / f"part-{self._next():06d}.parquet"
         with replacing(path) as beside:
-            pq.write_table(table, beside, compression="zstd")
+            pq.write_table(table, beside, compression="zstd", write_page_checksum=True)
 
     def read(self) -> Iterator[Row]:
         """Every row, one part in memory at a time; a damaged part is set aside under the name NAME.damaged."""
@@ -123,7 +123,7 @@ class Parts:
             if columns is not None:
                 return list(table.select(columns).to_pylist())
             rows = table.to_pylist(maps_as_pydicts="strict")
-            return [row | {name: json.loads(row[name]) for name in AS_TEXT} for row in rows]
+            return [row | {name: json.loads(row[name]) for name in AS_TEXT if row.get(name)} for row in rows]
         except (pa.ArrowException, OSError, ValueError, KeyError, TypeError):
             self.damaged.append(path.name)
             with explained(path):
@@ -140,7 +140,7 @@ def _schema() -> Any:
     kinds |= dict.fromkeys(("dt_s", "wall_s", "steps_per_s"), real)
     order = (
         "key name engine version environment route preset settings changed ignored integrator dt_s scenario slider"
-        " setup draw metrics exact effort apart_m samples wall_s steps_per_s error"
+        " setup draw metrics exact effort apart_m not_again samples wall_s steps_per_s error"
     )
     return pa.schema([(name, kinds.get(name, text)) for name in order.split()])
 

@@ -157,7 +157,7 @@ def _scorecard(scored: Sequence[Card], engines: _Engines) -> b.Section:
                 groups.setdefault(group, []).append(figure)
         for group, figures in groups.items():
             columns = [b.Column(one.label, b.by(one, _scored), "", one.good) for one in figures]
-            if group == _FREE and any(_apart(card) for card in lines):
+            if group == _FREE and any(_again(card) for card in lines):
                 columns.append(b.Column("repeats", _repeats, hint=_REPEATS))
             table = b.tabulated(
                 "engine",
@@ -173,16 +173,18 @@ def _scorecard(scored: Sequence[Card], engines: _Engines) -> b.Section:
     return b.Section("Scorecard", [b.Text(caption, "table-caption"), *tables] if tables else [])
 
 
-def _apart(card: Card) -> dict[str, float]:
-    """Largest difference of position between runs, worlds and devices, m."""
-    return next((row["apart_m"] for row in card.rows.values() if row.get("apart_m")), {})
+def _again(card: Card) -> Row | None:
+    """The row that was run again."""
+    return next((row for row in card.rows.values() if row.get("apart_m") or row.get("not_again")), None)
 
 
 def _repeats(card: Card) -> b.Cell:
-    if not (apart := _apart(card)):
+    if (row := _again(card)) is None:
         return b.Cell(number(None))
-    far = max(apart.values())
-    return b.Cell("yes" if far == 0.0 else f"{far:.0e} m", (", ".join(apart),), b.grade(far, _APART))
+    if failed := row.get("not_again"):
+        return b.Cell("fails", (", ".join(failed),), len(_APART), "; ".join(failed.values()))
+    far = max(row["apart_m"].values())
+    return b.Cell("yes" if far == 0.0 else f"{far:.0e} m", (", ".join(row["apart_m"]),), b.grade(far, _APART))
 
 
 def _scored(card: Card, figure: Figure) -> b.Cell:
