@@ -12,6 +12,7 @@ from harness.diagnosis.grading.contest import Contest
 from harness.diagnosis.grading.lone import next_best, stand_ins, undecided
 from harness.diagnosis.grading.posterior import of_search, probability
 from harness.diagnosis.outcome import Grade, Verdict
+from harness.diagnosis.residual_tests.free_curve import UNNAMED
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import (
     AMONG_NAMES,
@@ -19,6 +20,7 @@ from harness.diagnosis.rules import (
     FLEXIBLE,
     GAIN,
     LOOSE,
+    MAIN_FROM,
     MOST_LIKELY,
     NULL_DRAWS,
     OVER_SIMULATED,
@@ -27,6 +29,7 @@ from harness.diagnosis.rules import (
     STRUCTURE_NAMED,
     Rule,
 )
+from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search
 
 
@@ -63,6 +66,8 @@ def judge(found: Search, graded: Contest | None = None) -> Judgement:
     rival = None if found.by_force else _near_pair(found)
     if rival is not None:
         return Judgement("unexplained", found.base, (*gates, *tested, FLEXIBLE, APART), rival)
+    if terms and _unsure_beside_a_curve(found):
+        return Judgement("unexplained", found.base, (*gates, *tested, MAIN_FROM))
     listed = undecided(found)
     if listed:
         # a lone law that is not decided for is listed beside what could stand in its place, or with the next where it
@@ -108,6 +113,20 @@ def _without_a_rate(chosen: Fit) -> bool:
         and error[i] >= LOOSE.value * abs(chosen.values[i])
         for i, f in enumerate(chosen.free)
     )
+
+
+def _unsure_beside_a_curve(found: Search) -> bool:
+    """Whether what explains held speeds is less likely than a main effect has to be, and a curve of no name next.
+
+    A law stands beside such a curve as well as alone. Two laws do not, and no list is made of them.
+    """
+    if found.problem.moves:
+        return False
+    names, likely = key_of(found.chosen), of_search(found)
+    if len(names) > 1:
+        return next((one.probability for one in likely if one.names == names), 0.0) < MAIN_FROM.value
+    p, unnamed = (sum(h.probability for h in likely if h.names[:1] == one) for one in (names, (UNNAMED,)))
+    return p < MAIN_FROM.value and unnamed > 1.0 - p - unnamed
 
 
 def _near_pair(found: Search) -> Fit | None:

@@ -99,7 +99,10 @@ class MechanismResult(Result):
 class HypothesisResult(Result):
     """What may be missing, and how likely that is."""
 
-    names: list[str] = Field(description="of the catalogue; empty for nothing, or for no name that is the main effect")
+    names: list[str] = Field(
+        description="of the catalogue, unnamed-curve for a smooth law of the speed that is none of them; empty for"
+        " nothing, or for no name that is the main effect"
+    )
     probability: float
 
 

@@ -138,8 +138,24 @@ def test_stribeck_is_one_name_with_its_form_found(
 
 def test_damping_that_saturates_is_a_power_of_the_speed_in_another_form() -> None:
     v: FloatArray = np.concatenate((-np.linspace(0.1, 10.0, 30), np.linspace(0.1, 10.0, 30)))
-    u = 0.5 * np.sign(v) + 2.0 * np.tanh(v / 2.0) + 0.002 * np.random.default_rng(3).standard_normal(v.size)
+    u = 0.5 * np.sign(v) + 2.0 * v / np.hypot(v, 2.0) + 0.002 * np.random.default_rng(3).standard_normal(v.size)
     rows = Recording(np.arange(v.size, dtype=np.float64), {"v": v, "u": u}, "forms.csv", steady=True)
     (found,) = harness.diagnose(rows, engines=()).mechanisms
     assert found.name == "power-law-damping"
     assert found.parameters["exponent"].value == pytest.approx(0.0, abs=0.1)
+
+
+def test_a_curve_that_is_no_law_of_the_catalogue_gets_no_name_however_short_the_table() -> None:
+    along = np.log(SPEEDS / SPEEDS[0]) / np.log(SPEEDS[-1] / SPEEDS[0])
+    found = harness.diagnose(both(1.2 + 0.3 * SPEEDS + 0.2 * np.sin(7.0 * along)), engines=())
+    assert found.verdict == "unexplained"
+    assert not found.mechanisms
+    assert found.posterior[0].names == ["unnamed-curve"]
+
+
+def test_a_law_is_less_sure_where_a_smooth_curve_follows_it_as_well() -> None:
+    def named(size: float) -> float:
+        found = harness.diagnose(both(1.2 + 0.3 * SPEEDS + size * np.exp(-((SPEEDS / 0.15) ** 2))), engines=())
+        return sum(one.probability for one in found.posterior if "stribeck" in one.names)
+
+    assert named(0.03) < 0.97 < named(0.8)

@@ -19,6 +19,7 @@ from harness.diagnosis.rules import (
     ADVISED,
     DECISIVE,
     LEAST_CYCLES,
+    MAIN_FROM,
     MOST_LIKELY,
     PREDICTS_WORSE,
     SHARE_OF_MISFIT,
@@ -192,6 +193,8 @@ def cautions(found: Search, judgement: Judgement, prediction: Holdout) -> tuple[
     said = []
     if judgement.verdict == "unexplained":
         why = "no model fits down to the noise" if found.doubted is None else _followed(found.doubted)
+        if MAIN_FROM in judgement.rules:
+            why = f"{' with '.join(key_of(chosen))} would explain it, but a smooth curve of no name may be it as well"
         said.append(f"{why}; standard errors are inflated accordingly")
         misfit = base.chi2 - base.points
         closest = found.singles[:_MOST_CLOSEST] if misfit > 0.0 else ()

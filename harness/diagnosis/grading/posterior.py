@@ -2,7 +2,8 @@
 
 Where a name is the main part of a misfit, simulated machines say how likely it is (``Contest.posterior``). Where a
 model meets the noise its evidence does, each name being as likely as the next before the recording is seen: BIC in
-samples, or in strokes where small effects that nobody models may be there (the position's zero is unknown).
+samples, or in strokes where small effects that nobody models may be there (the position's zero is unknown). Of speeds
+that were held a smooth curve of no name is as likely as any name.
 """
 
 import math
@@ -12,6 +13,7 @@ from harness.diagnosis.baseline.words import evidence, strokes_of, words_beside
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.grading.contest import Contest
 from harness.diagnosis.outcome import Hypothesis
+from harness.diagnosis.residual_tests.free_curve import UNNAMED, evidence_of_curve
 from harness.diagnosis.rules import NAMES
 from harness.diagnosis.search.against import against
 from harness.diagnosis.search.extend import key_of
@@ -34,6 +36,11 @@ def of_search(found: Search) -> tuple[Hypothesis, ...]:
     for one in (*found.singles, *found.rivals, found.chosen):
         names = key_of(one)
         best[names] = max(best.get(names, -math.inf), gain(one) - 2.0 * len(names) * math.log(NAMES))
+    if not found.problem.moves:
+        for one in (found.base, *found.singles):
+            names = key_of(one)
+            alone = best[names] if names else 0.0
+            best[(*names, UNNAMED)] = alone + evidence_of_curve(one) - 2.0 * math.log(NAMES)
     most = max(best.values())
     weight = {names: math.exp(0.5 * (size - most)) for names, size in best.items()}
     whole = sum(weight.values())
@@ -49,6 +56,10 @@ def probability(of: tuple[Hypothesis, ...], name: str) -> float:
 def _gain(found: Search) -> Callable[[Fit], float]:
     """Evidence of a fit over the base, twice a log likelihood."""
     base, problem = found.base, found.problem
+    if not problem.moves:
+        # beside a curve of any shape, to which the level of the noise is unknown as well
+        words = float(problem.points - len(base.free))
+        return lambda one: evidence(base.chi2, one.chi2, words, len(one.free) - len(base.free), 1.0)
     # several amplitudes part a law from what small effects could do in its place
     if found.by_force or not problem.zero_free or problem.parts_amplitude_from_time:
         return lambda one: against(base, problem) - against(one, problem)

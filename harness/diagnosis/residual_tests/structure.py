@@ -7,6 +7,7 @@ from harness.core.events import Mode
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.motion import Motion
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.residual_tests.free_curve import evidence_of_curve
 from harness.diagnosis.residual_tests.lack_of_fit import LackOfFit, lack_of_fit
 from harness.diagnosis.rules import LAW_KNOWN, STRUCTURE, STRUCTURE_NAMED
 
@@ -17,6 +18,9 @@ def structure(found: Fit, problem: Problem, omega: float, gain: float = 0.0) -> 
     What noise of a force leaves beyond first order is allowed for, where that could be simulated, and of what terms
     explain the little that no law is known to.
     """
+    spare = (problem.spare if math.isfinite(problem.spare) else 0.0) + LAW_KNOWN.value * gain
+    if not problem.moves:
+        return _beside_a_curve(found, spare)
     n = problem.t.size
     parts = {c: slice(i * n, (i + 1) * n) for i, c in enumerate(problem.channels)}
     motion = Motion(found.shown.x, found.shown.v, found.shown.mode == Mode.STICK, omega)
@@ -26,8 +30,16 @@ def structure(found: Fit, problem: Problem, omega: float, gain: float = 0.0) -> 
         omega,
         jacobian={c: found.jacobian[at] for c, at in parts.items()},
         motion=motion,
-        spare=(problem.spare if math.isfinite(problem.spare) else 0.0) + LAW_KNOWN.value * gain,
+        spare=spare,
     )
+
+
+def _beside_a_curve(found: Fit, spare: float) -> LackOfFit:
+    """Of speeds that were held: whether a smooth curve of any shape says more of them than the fit."""
+    more = max(evidence_of_curve(found) - spare, 0.0)
+    p = math.exp(-0.5 * more)
+    what = "no smooth curve of the speed says more" if p > 0.05 else "a smooth curve of the speed says more"
+    return LackOfFit(p, more, f"{what} (p = {p:.2g})")
 
 
 class Left(Enum):

@@ -186,12 +186,12 @@ def _search(problem: P, base: Fit, scales: Scales, renew: Renew[P], alone: Step)
     chosen, rivals = _simplest(singles, base, first, problem), singles
     left = left_by(chosen, problem, scales.omega, base)
     beam = _beam(singles)
-    if left is Left.STRUCTURE and chosen.model.terms:
-        chosen, singles, left = _with_free_form(chosen, singles, problem, scales, base)
-        rivals = singles
-        if left is not Left.STRUCTURE:
-            problem, best, singles = _renewed(problem, scales, chosen, singles, renew)
-            return Search(problem, under(base, problem), best, singles, singles, left, begun=alone.begun)
+    # of a table the form is asked at once: beside a curve of any shape a name is worth what its best form says
+    if chosen.model.terms and (left is Left.STRUCTURE or not problem.moves):
+        free, alike, rest = _with_free_form(chosen, singles, problem, scales, base)
+        if rest is not Left.STRUCTURE:
+            problem, best, singles = _renewed(problem, scales, free, alike, renew)
+            return Search(problem, under(base, problem), best, singles, singles, rest, begun=alone.begun)
     while len(chosen.model.terms) < (MOST_TERMS.count if problem.pairs_searched else 1):
         step = extend(chosen, problem, scales) if left is Left.NOISE else to_an_end(chosen, problem, scales)
         least = against(chosen, problem) - second

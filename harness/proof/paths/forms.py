@@ -216,11 +216,17 @@ def unknown(shape: str, s: Scales, rng: Rng) -> tuple[FloatArray, FloatArray]:
 
 
 def laws(x: FloatArray, v: FloatArray, t: FloatArray) -> dict[str, list[FloatArray]]:
-    """Columns of the catalogue's laws along a motion, in units of its own: what an unknown effect is projected on."""
+    """Columns of the catalogue's laws along a motion, in units of its own: what an unknown effect is projected on.
+
+    In the forms that a name stands for: Stribeck's is any fall of friction with speed, a drag any power above one.
+    """
     q, w, s, side = x / (np.ptp(x) or 1.0), v / np.max(np.abs(v)), (t - t[0]) / (t[-1] - t[0]), np.sign(v)
     found = {
-        "quadratic-drag": [w * np.abs(w)],
-        "power-law-damping": [side * np.abs(w) ** e for e in (0.25, 0.5, 0.75)],
+        "quadratic-drag": [side * np.abs(w) ** e for e in (1.5, 2.0, 3.0)],
+        "power-law-damping": [
+            *(side * np.abs(w) ** e for e in (0.1, 0.25, 0.5, 0.75)),
+            *(w / np.hypot(w, e) for e in (0.1, 0.25, 0.5)),
+        ],
         "asymmetric-viscous": [np.abs(w)],
         "cubic-stiffness": [q**3],
         "quadratic-stiffness": [q**2],
@@ -229,7 +235,11 @@ def laws(x: FloatArray, v: FloatArray, t: FloatArray) -> dict[str, list[FloatArr
         "load-dependent-friction": [np.abs(q - np.mean(q)) * side, (q - np.mean(q)) ** 2 * side],
         "friction-drift": [s * side],
         "stiffness-drift": [s * q],
-        "stribeck": [side * np.exp(-((w / e) ** 2)) for e in (0.03, 0.06, 0.12, 0.25, 0.4)],
+        "stribeck": [
+            side * fall
+            for r in (np.abs(w) / e for e in (0.03, 0.06, 0.12, 0.25, 0.4, 0.7))
+            for fall in (np.exp(-(r**2)), np.exp(-r), 1.0 / (1.0 + r**2))
+        ],
         "presliding": [np.exp(-np.abs(w) / e) * side for e in (0.02, 0.05)],
     }
     turns = [2.0 * math.pi * n for n in np.geomspace(1.0, 40.0, 50)]

@@ -22,6 +22,8 @@ LONGEST = 3
 PLAIN = 20.0
 """Effective samples above which an effect is to be told, fixed before anything was drawn."""
 SURE = 0.9
+UNNAMED = {"unnamed-curve"}
+"""As results call what has no name: right of an effect of no family alone."""
 ASKED = {
     "told": Asked(f"named or listed, worth above {PLAIN:g}", "lower bound above 85 %", least=0.85, of_low=True),
     "bare": Asked(f"without options, worth above {PLAIN:g}", "lower bound above 75 %", least=0.75, of_low=True),
@@ -59,6 +61,8 @@ def likeliest(truth: Truth, result: Result | None) -> tuple[float, bool] | None:
     if not said:
         return None
     names = set(said[0]["names"])
+    if names == UNNAMED:
+        return float(said[0]["probability"]), truth["group"] == UNKNOWN and not is_hidden(truth)
     return float(said[0]["probability"]), names <= set(truth["right"]) and bool(names) == is_hidden(truth)
 
 
