@@ -28,6 +28,10 @@ Every result prints itself: `print(result)` gives the verdict and the numbers, a
 motions, each with `t`, `x`, `v`, `a` as arrays in SI units (`harness.run().curves["mujoco tuned"]["v"]`). Nothing is
 written unless `out` names a folder.
 
+A model is built from terms of the catalogue by their keys ([the catalogue](terms.md)), as
+`harness.Model(m, c, k, f_k, x0=0.1, terms=(harness.ModelTerm.named("end-stop", gap=0.05, k_stop=60.0),))`;
+`harness.TERMS` has every `Term` with its law, its `Slot` and its parameters.
+
 Below, `File` is a path as text or as a `Path`; a `GivenModel` is a `Model`, one as a result holds it, its plain data,
 or the path of a model.json.
 
@@ -93,13 +97,8 @@ import numpy as np
 import harness
 from harness import stages
 
-truth = {
-    "schema": "harness.model/1",
-    "base": {"m": 1.0, "c": 0.3, "k": 100.0, "f_k": 0.4},
-    "release": {"x0": 0.1},
-    "terms": [{"name": "quadratic-drag", "parameters": {"c2": 2.0}}],
-    "mass_known": False,
-}
+drag = harness.ModelTerm.named("quadratic-drag", c2=2.0)
+truth = harness.Model(1.0, 0.3, 100.0, 0.4, x0=0.1, terms=(drag,), mass_known=False)
 t = np.arange(0.0, 4.0, 0.01)
 x = harness.simulate(truth, t).x + np.random.default_rng(2).normal(0.0, 1e-5, t.size)
 

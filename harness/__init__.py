@@ -9,9 +9,13 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from harness import stages
     from harness.api import (
+        TERMS,
         JointLog,
         Model,
+        ModelTerm,
         Recording,
+        Slot,
+        Term,
         change,
         compare,
         compare_models,
@@ -50,9 +54,13 @@ else:
 
 
 __all__ = [
+    "TERMS",
     "JointLog",
     "Model",
+    "ModelTerm",
     "Recording",
+    "Slot",
+    "Term",
     "__version__",
     "change",
     "compare",

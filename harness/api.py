@@ -15,7 +15,9 @@ from numpy.typing import ArrayLike
 from harness.core.recording import Recording
 from harness.core.robot.joint_log import JointLog
 from harness.core.trajectory import Trajectory
-from harness.model.model import Model
+from harness.model.model import Model, ModelTerm
+from harness.model.registry import TERMS
+from harness.model.term import Slot, Term
 from harness.results.change import ChangeResult
 from harness.results.common import ModelDocument, MotionResult
 from harness.results.compare import CompareResult
@@ -32,6 +34,7 @@ from harness.results.words import WordsResult
 from harness.suites import File, diff, kept, prove, regress, run, run_joint, run_scene, sweep, tune, verify_proof, words
 
 __all__ = [
+    "TERMS",
     "CompareResult",
     "DiagnosisResult",
     "DiffResult",
@@ -41,6 +44,7 @@ __all__ = [
     "LogResult",
     "Model",
     "ModelDocument",
+    "ModelTerm",
     "ModelsResult",
     "MotionResult",
     "PlanResult",
@@ -50,7 +54,9 @@ __all__ = [
     "RegressResult",
     "RunResult",
     "SceneResult",
+    "Slot",
     "SweepResult",
+    "Term",
     "Trajectory",
     "TuneResult",
     "WordsResult",
