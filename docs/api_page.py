@@ -3,6 +3,7 @@
 import ast
 import inspect
 import re
+from enum import Enum
 from pathlib import Path
 from types import ModuleType
 
@@ -153,6 +154,8 @@ def _class(name: str) -> str:
 def _signature(name: str, found: object) -> str:
     """The call with an argument a line, types as they are written in the code."""
     (node,) = ast.parse(inspect.getsource(found)).body
+    if inspect.isclass(found) and issubclass(found, Enum):
+        return "\n".join(f'{name}.{member.name} = "{member.value}"' for member in found)
     if isinstance(node, ast.ClassDef):
         lines = [ast.unparse(field) for field in node.body if isinstance(field, ast.AnnAssign)]
         lines = [re.sub(r" = field\(.*\)$", " = ...", line) for line in lines]
