@@ -11,12 +11,12 @@ import numpy as np
 from harness.app.diagnose.files import motion_of
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.problem import Prepared, errors_of, prepared
-from harness.app.shared.estimates import NOTE, WHOLE, estimate, estimates_of
+from harness.app.shared.estimates import NOTE, WHOLE, estimated, estimates_of
 from harness.app.shared.leaving import FILES, curves_of, leave, leaving
 from harness.app.shared.machine import this_machine
 from harness.app.shared.over_amplitude import damping_of, write_damping
 from harness.app.shared.progress import SILENT, Progress
-from harness.app.shared.reading import read, recording_info, thinned
+from harness.app.shared.reading import averaged, read, recording_info, thinned
 from harness.core.errors import SimulationError
 from harness.core.quantity import Quantity
 from harness.core.recording import Recording
@@ -31,7 +31,6 @@ from harness.diagnosis.problems.curve import Curve
 from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.estimate import slowing
 from harness.estimate.result import Estimate, Estimation
-from harness.estimate.saturation import without_limited
 from harness.io.options import ReadOptions
 from harness.model.model import Restoring
 from harness.results.common import MotionResult, P
@@ -171,7 +170,7 @@ def deliver(
             write_damping(output / "damping.csv", result.damping)
             result = result.model_copy(update={"files": {**files, "damping": output.at("damping.csv")}})
         progress("writing trace and report", 2, 3)
-        leave(output, result, identify_page(result, recording, motion), recording_scene(recording, result))
+        leave(output, result, identify_page(result, thinned(recording), motion), recording_scene(recording, result))
     return result
 
 
@@ -180,7 +179,7 @@ def result_of(
 ) -> tuple[IdentifyResult, Trajectory | None]:
     """The estimates from a recording as a result, with the motion of the base fit that checks them.
 
-    Raises InputError as ``estimate`` does, and where nothing swings or channels are not of one motion.
+    Raises InputError as ``estimated`` does, and where nothing swings or channels are not of one motion.
     """
     moves = classify(recording, Restoring.PENDULUM if restoring == "pendulum" else None)
     if not is_driven(recording):
@@ -188,8 +187,8 @@ def result_of(
     if moves.kind in (MotionKind.RUN_DOWN, MotionKind.FRICTION_CURVE):
         return _slowed(recording, moves, command, files)
     recording, chosen = moves.part(recording)
-    estimation = estimate(recording, restoring)
-    seen = thinned(without_limited(recording)[0])
+    estimation, cleaned = estimated(recording, restoring)
+    seen = averaged(cleaned, estimation.edges)
     with np.errstate(over="ignore", invalid="ignore"), errors_of(seen):
         ready = prepared(seen, DiagnoseOptions.chosen(ReadOptions(), restoring, engines=()))
     fit, motion, warnings = _based(seen, ready, estimation, command)
@@ -257,5 +256,6 @@ def _slowed(
 
 def _drawn(result: IdentifyResult, recording: Recording, motion: Trajectory | None) -> IdentifyResult:
     """With its page and both motions."""
+    recording = thinned(recording)
     curves = curves_of({"recording": recording, **({} if motion is None else {"viscous and Coulomb": motion})})
     return result.drawn(partial(identify_page, recording=recording, fitted=motion), curves)

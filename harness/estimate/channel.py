@@ -7,6 +7,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.estimate.halfcycles import SeparateFit, fit_separately, moved_edges, windows
+from harness.estimate.means import ENOUGH, FINISHED, means
 from harness.estimate.noise import Noise, channel_noise
 from harness.estimate.reversals import MINIMUM_HALF_CYCLES, HalfCycles, Kind, NoDecay, find_half_cycles, period_of
 from harness.estimate.sequence import powers
@@ -47,6 +48,8 @@ def find_guard(t: FloatArray, y: FloatArray, fit: SeparateFit, variance: float) 
 
 _EXPLORED = 256
 """Samples a half-cycle that a first look needs."""
+_PIECE = 1 << 17
+"""Samples whose forms are evaluated at a time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,13 +59,15 @@ class ChannelFit:
     separate : half-cycles apart. tied : all as one motion. holds : the tied form explains the channel as well as the
     separate ones do; when it does not, friction acts at other times or other ways than the base model's.
     offset : constant found in the channel and taken away. inflation : variance of smooth combinations over what white
-    noise would give. y : the channel less the offset. dropped : the first period was left out.
+    noise would give. y : the channel less the offset, of very many samples means; noise, variance : of one of these.
+    recorded : noise of a sample as it was recorded. dropped : the first period was left out.
     """
 
     kind: Kind
     t: FloatArray
     y: FloatArray
     noise: Noise
+    recorded: Noise
     cycles: HalfCycles
     separate: SeparateFit
     tied: TiedFit
@@ -237,12 +242,32 @@ def _fit(t: FloatArray, y: FloatArray, kind: Kind, noise: Noise, cycles: HalfCyc
     centre = float(y.mean()) if kind is Kind.DISPLACEMENT else 0.0
     # one layout, writable and dense: a kernel is compiled once for each
     t, y = np.array(t), y - centre
-    # explored on fewer samples, finished on all of them
-    stride = int(cycles.half_time / float(np.median(np.diff(t))) / _EXPLORED)
-    few = np.array((t, y))[:, :: max(stride, 1)].copy()
+    # explored on fewer samples, finished on all of them, or on means where they are very many
+    many = cycles.half_time / float(np.median(np.diff(t)))
+    stride, size = int(many / _EXPLORED), min(int(many / FINISHED), t.size // ENOUGH)
+    few = np.array((t[:: max(stride, 1)], y[:: max(stride, 1)]))
     seed = _fit_once(few[0], few[1], kind, noise, cycles, dropped, None) if stride > 1 else None
-    fit = _fit_once(t, y, kind, noise, cycles, dropped, seed)
-    return fit if centre == 0.0 else _shifted(fit, centre)
+    if seed is not None and size > 1:
+        t, y = _in_means(t, y, seed.separate, size)
+    fit = _fit_once(t, y, kind, noise.of_means(max(size, 1)), cycles, dropped, seed)
+    return replace(fit if centre == 0.0 else _shifted(fit, centre), recorded=noise)
+
+
+def _in_means(t: FloatArray, y: FloatArray, fit: SeparateFit, size: int) -> tuple[FloatArray, FloatArray]:
+    """Times and values of each ``size`` neighbours: means of what a first fit leaves, on its form at their mean time.
+
+    What it leaves does not bend within them as the motion does.
+    """
+
+    def form(time: FloatArray) -> FloatArray:
+        k = np.clip(np.searchsorted(fit.edges, time, side="right") - 1, 0, len(fit) - 1)
+        inside = (time >= fit.edges[0]) & (time <= fit.edges[-1])
+        return np.where(inside, fit.value(k, np.where(inside, time, fit.edges[0])), 0.0)
+
+    piece = max(_PIECE // size, 1) * size
+    left = [means(y[at : at + piece] - form(t[at : at + piece]), size) for at in range(0, t.size, piece)]
+    time = means(t, size)
+    return time, np.concatenate(left) + form(time)
 
 
 def _shifted(fit: ChannelFit, centre: float) -> ChannelFit:
@@ -323,7 +348,7 @@ def _fit_once(
         separate = fit_separately(t, y, kind, _inside(tied.edges, t), guard, found, fixed=True)
     if len(separate) < 2:
         raise NoDecay("no two half-cycles in a row look like a damped oscillation: no free decay")
-    return ChannelFit(kind, t, y, noise, cycles, separate, tied, holds, offset, inflation, dropped)
+    return ChannelFit(kind, t, y, noise, noise, cycles, separate, tied, holds, offset, inflation, dropped)
 
 
 def _inside(edges: FloatArray, t: FloatArray) -> FloatArray:

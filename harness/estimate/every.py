@@ -134,7 +134,7 @@ def _acceleration_methods(
     edges, omega_d = all_edges(clock), _frequency(source)
     # one fit's constant is a property of the sensor, not of the motion
     a = found["a"] - source.offset if source.kind is Kind.ACCELERATION else found["a"]
-    noise = source.noise if source.kind is Kind.ACCELERATION else channel_noise(t, a, 2.0 * math.pi / source.omega)
+    noise = source.recorded if source.kind is Kind.ACCELERATION else channel_noise(t, a, 2.0 * math.pi / source.omega)
     out["acceleration-local"] = acceleration_local(
         t, a, noise.sigma, edges, first_and_last_seen(clock), clock.cycles.side, omega_d, source.sigma, unit
     )
@@ -162,7 +162,8 @@ def _warnings(t: FloatArray, fits: dict[str, ChannelFit]) -> list[str]:
     for name, fit in fits.items():
         if fit.dropped:
             said.append(f"{name}: the first period was skipped")
-        ratio = math.sqrt(fit.variance / fit.inflation) / fit.noise.sigma
+        beyond = (fit.variance / fit.inflation - fit.noise.sigma**2) / fit.recorded.sigma**2
+        ratio = math.sqrt(max(1.0 + beyond, 0.0))
         if fit.noise.found and ratio > 1.5:
             said.append(
                 f"{name}: viscous and Coulomb friction leave {ratio:.1f} times the noise unexplained;"
@@ -213,7 +214,7 @@ def estimate_all(
         methods,
         phase,
         lag,
-        {name: fit.noise for name, fit in fits.items()},
+        {name: fit.recorded for name, fit in fits.items()},
         all_edges(best),
         (*whys.values(), *_warnings(time, fits)),
     )

@@ -10,6 +10,7 @@ from enum import IntEnum
 import numpy as np
 
 from harness.core.arrays import FloatArray
+from harness.estimate.means import in_means
 from harness.estimate.noise import Noise
 
 MINIMUM_HALF_CYCLES = 3
@@ -74,6 +75,7 @@ def period_of(t: FloatArray, y: FloatArray, kind: Kind, noise: Noise) -> float:
 
     Raises NoDecay when nothing stands above the noise.
     """
+    t, y, noise = in_means(t, y, noise)
     grid, signal = _even(t, y)
     interval = float((grid[-1] - grid[0]) / (grid.size - 1))
     size = 1 << int(np.ceil(np.log2(2 * signal.size)))
@@ -140,6 +142,7 @@ def find_half_cycles(t: FloatArray, y: FloatArray, kind: Kind, noise: Noise) -> 
     Raises NoDecay with the reason when there are fewer than two reversals, when the swing grows, or when half-cycles
     hold too few samples.
     """
+    t, y, noise = in_means(t, y, noise)
     period = period_of(t, y, kind, noise)
     grid, signal = _even(t, y)
     interval = float((grid[-1] - grid[0]) / (grid.size - 1))

@@ -45,6 +45,8 @@ _GAP = 3.0
 """Usual sampling intervals that part what is beside each other."""
 _OTHERS, _BEYOND_OTHERS = 0.9, 3.0
 """Share of all samples that stray less, and how many times less: what is coarsely sampled is off everywhere."""
+_ENOUGH = 100_000
+"""Samples that tell what the others are off."""
 _TURNS = 4
 """How often is looked again: what strays hides what strays beside it."""
 _UNITS = {"x": ("m", "rad"), "v": ("m/s", "rad/s")}
@@ -88,19 +90,20 @@ def stray(t: FloatArray, y: FloatArray, noise: Noise) -> FloatArray:
 
     noise : of the channel.
     """
-    found, kept = np.zeros(y.size), np.arange(y.size)
-    gap = _GAP * float(np.median(np.diff(t))) if t.size > 1 else 0.0
+    found, kept = np.zeros(y.size), None
+    gap = _GAP * float(np.median(np.diff(t)[:: max(t.size // _ENOUGH, 1)])) if t.size > 1 else 0.0
     for _ in range(_TURNS):
-        times, values = t[kept], y[kept]
-        usual = _alone(times, values, gap) if times.size > 2 * _BESIDE else np.zeros(0)
+        # copies, as a kernel is compiled anew for what cannot be written
+        times, values = (t.copy(), y.copy()) if kept is None else (t[kept], y[kept])
+        usual = _alone(times, values, gap, max(times.size // _ENOUGH, 1)) if times.size > 2 * _BESIDE else np.zeros(0)
         if not usual.size:
             break
         others = _BEYOND_OTHERS * float(np.quantile(usual, _OTHERS))
         off = _strays(times, values, gap, max(_CLEAR * noise.sigma, _STEPS * noise.step, others))
         if not off.any():
             break
-        found[kept] = off
-        kept = kept[off == 0.0]
+        found[slice(None) if kept is None else kept] = off
+        kept = np.flatnonzero(found == 0.0)
     return found
 
 
@@ -161,11 +164,11 @@ def beside_cubic(
 
 
 @compiled
-def _alone(t: FloatArray, y: FloatArray, gap: float) -> FloatArray:
-    """How far each sample with neighbours is off the cubic through them."""
+def _alone(t: FloatArray, y: FloatArray, gap: float, every: int) -> FloatArray:
+    """How far each sample with neighbours, or every so manieth, is off the cubic through them."""
     out, off, least = np.empty(y.size), np.empty(y.size), np.empty((5, 4))
     many = 0
-    for begin in range(_BESIDE, y.size - _BESIDE):
+    for begin in range(_BESIDE, y.size - _BESIDE, every):
         if beside_cubic(t, y, begin, begin + 1, gap, off, least) < math.inf:
             out[many] = abs(off[begin])
             many += 1

@@ -1,5 +1,6 @@
 """Units of columns: what a header or ``--columns`` says, as a factor to SI. Imports pint only when it is asked."""
 
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -88,6 +89,21 @@ _BASE = {
 }
 
 
+_LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 0.01, "km": 1e3, "um": 1e-6, "µm": 1e-6, "rad": 1.0, "mrad": 1e-3}
+_PLACES = _LENGTHS | dict.fromkeys(("deg", "°"), math.pi / 180.0)
+_PER_SECOND_SQUARED = ("/s^2", "/s²", "/s**2")
+_SIMPLE: dict[str, dict[str, float]] = {
+    "t": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6},
+    "x": _PLACES,
+    "v": {f"{unit}/s": factor for unit, factor in _PLACES.items()},
+    "a": {f"{unit}{per}": factor for unit, factor in _PLACES.items() for per in _PER_SECOND_SQUARED},
+    "u": {"N": 1.0, "mN": 1e-3, "kN": 1e3, "Nm": 1.0, "mNm": 1e-3},
+}
+"""Factors of the units that most files have: the library of all others takes longer to begin than they to be read."""
+_ANGLES = ("rad", "mrad", "deg", "°")
+_ALL_SIMPLE = frozenset().union(*_SIMPLE.values())
+
+
 @dataclass(frozen=True, slots=True)
 class Unit:
     """A unit: its text, the factor to SI, and whether it measures an angle."""
@@ -160,6 +176,8 @@ def parse_unit(where: str, channel: str, text: str | None) -> Unit:
     """
     if text is None:
         return SI
+    if factor := _SIMPLE.get(channel, {}).get(text):
+        return Unit(text, factor, channel != "u" and text.startswith(_ANGLES))
     accepted = f"{_ACCEPTED[channel]} for {channel}"
     if powers := _BY_POWERS.match(text.strip()):
         text = f"{powers['one']}/s" + ("^2" if powers["power"] in "2²" else "")
@@ -204,6 +222,8 @@ def is_unit(text: str) -> bool:
 
 def is_unit_of(channel: str, text: str) -> bool:
     """Whether a text is a unit of a channel."""
+    if text in _ALL_SIMPLE and channel != "u":
+        return text in _SIMPLE.get(channel, {})
     try:
         parse_unit("", channel, text)
     except InputError:

@@ -65,7 +65,12 @@ FREE = "a free decay of at least three half-cycles"
 
 
 def estimate(recording: Recording, restoring: Swing = "spring") -> Estimation:
-    """The estimates from a recording; a pendulum is read as the spring that it would be.
+    """The estimates from a recording; a pendulum is read as the spring that it would be. See ``estimated``."""
+    return estimated(recording, restoring)[0]
+
+
+def estimated(recording: Recording, restoring: Swing = "spring") -> tuple[Estimation, Recording]:
+    """The estimates from a recording, and what of it they were made from.
 
     Samples at which a sensor stood at the end of its range, or that stray, are left out, and a warning says so.
 
@@ -77,7 +82,7 @@ def estimate(recording: Recording, restoring: Swing = "spring") -> Estimation:
         raise InputError(f"{recording.file}: channel u", found, FREE)
     recording, unused = without_limited(recording)
     recording, beyond = believed(recording, ("x", "v"))
-    beyond = (*unused, *beyond)
+    beyond, cleaned = (*unused, *beyond), recording
     if restoring == "pendulum":
         recording = as_spring(recording)
     x, v, a = (recording.channels.get(name) for name in ("x", "v", "a"))
@@ -87,4 +92,4 @@ def estimate(recording: Recording, restoring: Swing = "spring") -> Estimation:
     if not any(one.zeta.value is not None and one.x_k.value is not None for one in tried):
         why = "; ".join(dict.fromkeys(one.x_k.why or "" for one in tried))
         raise InputError(recording.file, f"no estimate is possible: {why}", FREE)
-    return replace(estimation, warnings=(*beyond, *estimation.warnings)) if beyond else estimation
+    return replace(estimation, warnings=(*beyond, *estimation.warnings)), cleaned

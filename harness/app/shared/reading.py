@@ -11,11 +11,12 @@ from typing import BinaryIO
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
+from harness.core.arrays import BoolArray, FloatArray
 from harness.core.bounded import MEBIBYTE, MOST_BYTES
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
+from harness.estimate.means import ENOUGH, FINISHED, is_dense, means
 from harness.estimate.noise import Noise
 from harness.io.options import ReadOptions
 from harness.io.recording import read_recording
@@ -130,9 +131,6 @@ def speeds_of(recording: Recording) -> str:
 
 MOST = 1_000_000
 """Samples that are looked at. A diagnosis takes 1.6 kB for each, a comparison 0.9 kB: docs/scale.md."""
-_NOISE, _SMOOTH = 1.1, 1e-3
-"""Samples half way between kept ones may lie off the line between these by so many times what neighbours do, or by so
-much of what the channel moves: there are 70 a period then."""
 
 
 def thinned(recording: Recording) -> Recording:
@@ -144,19 +142,37 @@ def thinned(recording: Recording) -> Recording:
     step = -(-len(recording) // MOST)
     if step < 2 or "u" in recording:
         return recording
-    if not all(_dense(values, step) for values in recording.channels.values()):
+    if not all(is_dense(values, step) for values in recording.channels.values()):
         return recording
     note = f"Of {len(recording)} samples each {step}th is looked at: those between lie on the line but for the noise."
     return replace(recording.cut(slice(None, None, step)), notes=(*recording.notes, note))
 
 
-def _dense(y: FloatArray, step: int) -> bool:
-    """Whether samples between each ``step``-th lie on the line between those, but for the noise."""
-    next_to, between = (_off(y, lag) for lag in (1, max(step // 2, 1)))
-    return bool(between**2 <= (_NOISE * next_to) ** 2 + (_SMOOTH * float(np.std(y))) ** 2)
+_BEGINNING = 9
+"""Means whose samples a parabola takes to tell the first of all as well as a mean is known."""
 
 
-def _off(y: FloatArray, lag: int) -> float:
-    """How far samples lie off the middle of two neighbours ``lag`` away: all but one in a hundred, next to a jump."""
-    off = y[lag:-lag] - 0.5 * (y[: -2 * lag] + y[2 * lag :])
-    return float(np.quantile(np.abs(off), 0.99))
+def averaged(recording: Recording, edges: FloatArray) -> Recording:
+    """A recording of very many samples in means of neighbours, but for those over a reversal, which are of two motions.
+
+    edges (k,) : its reversals, s. Where there are fewer, as ``thinned``.
+    """
+    half, interval = np.median(np.diff(edges)), np.median(np.diff(recording.t))
+    size = min(int(half / interval / FINISHED), len(recording) // ENOUGH)
+    if size < 2:
+        return thinned(recording)
+    kept: BoolArray = np.ones(len(recording) // size, dtype=np.bool_)
+    over = np.searchsorted(recording.t, edges) // size
+    kept[over[over < kept.size]] = False
+    kept[0] = False
+
+    start = recording.t[: _BEGINNING * size] - recording.t[0]
+
+    def few(y: FloatArray) -> FloatArray:
+        # where a motion is let go it begins at rest, which no mean shows
+        return np.concatenate(([np.polynomial.Polynomial.fit(start, y[: start.size], 2)(0.0)], means(y, size)[kept]))
+
+    channels = {c: few(y) for c, y in recording.channels.items()}
+    return replace(
+        recording, t=np.concatenate((recording.t[:1], means(recording.t, size)[kept])), channels=channels, covariates={}
+    )

@@ -14,6 +14,7 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.quantity import Quantity
 from harness.diagnosis.rules import CHANNELS_AGREE, CHANNELS_RELATED
+from harness.estimate.means import ENOUGH, is_dense, means
 from harness.estimate.noise import Noise
 from harness.estimate.saturation import limit_said, limits
 from harness.fit.covariance import inverse_of
@@ -130,6 +131,10 @@ def consistency(
     """Every pair of x, v, a (n,) against each other; t in s, omega of the swing in rad/s. Linear in samples."""
     pairs = [pair for pair in _ORDER if pair[0] in channels and pair[1] in channels]
     ends = limits(t, channels["a"], noise["a"]) if "a" in channels else ()
+    size = max(t.size // ENOUGH, 1)
+    if size > 1 and all(is_dense(y, size) for y in channels.values()):
+        t, channels = means(t, size), {c: means(y, size) for c, y in channels.items()}
+        noise = {c: one.of_means(size) for c, one in noise.items()}
     windows, found = _windows(t, _WINDOW * 2.0 * math.pi / omega), []
     for pair in pairs:
         unit = _SI[pair[1]].replace("m", "rad", 1) if angular else _SI[pair[1]]

@@ -11,8 +11,11 @@ from itertools import pairwise
 import numpy as np
 
 from harness.core.arrays import FloatArray
+from harness.estimate.means import in_means, is_dense
 from harness.estimate.noise import channel_noise
 
+_MOST = 1_000_000
+"""Samples that are looked at one by one, for what jumps or strays."""
 _STRAYS, _FAR = 1.0, 0.5
 """Times the range of its neighbours by which a sample strays; and of the whole range, from which a change is a jump."""
 _LOWEST, _BESIDE, _STANDS_OUT = 3, 48, 40.0
@@ -63,20 +66,23 @@ class Series:
     @classmethod
     def of(cls, t: FloatArray, y: FloatArray) -> "Series":
         """Of a channel y (n,) at t (n,), s."""
-        sigma = channel_noise(t, y).sigma
+        noise = channel_noise(t, y)
+        few = t.size // _MOST
+        if few > 1 and is_dense(y, few):
+            t, y = t[::few], y[::few]
         grid = np.linspace(t[0], t[-1], t.size)
         even = _without_spikes(np.interp(grid, t, y))
+        jumps = _jumps(even)
+        grid, even, noise = in_means(grid, even, noise)
         power, lag = _grows(even)
         swing = None if power >= SMOOTH else _line(even)
         lag = lag if swing is None else swing / _QUARTERS
         width = max(int(lag / _WIDTHS), 1) | 1
         smooth = _mean(_mean(even, width), width)
         thin = max(min(width // 2, even.size // _LEAST), 1)
-        left = sigma / math.sqrt(1.5 * width)
+        left = noise.sigma / math.sqrt(1.5 * width)
         lightly = _mean(even, width // 4 | 1)
-        return cls(
-            grid[::thin], smooth[::thin], lightly[::thin], left, power, _memory(even), _jumps(even), swing is not None
-        )
+        return cls(grid[::thin], smooth[::thin], lightly[::thin], left, power, _memory(even), jumps, swing is not None)
 
 
 def _without_spikes(y: FloatArray) -> FloatArray:
