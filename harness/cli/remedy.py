@@ -4,15 +4,24 @@ import re
 import shlex
 from collections.abc import Sequence
 from difflib import SequenceMatcher
+from pathlib import Path
 
 import click
 
 from harness.cli.output import this_line
-from harness.core.errors import InputError
+from harness.core.errors import HarnessError, InputError
 
 _PROPOSED = re.compile(r"Try: (?P<options>--.+?)(?P<rest>, which reads .*)?$")
 _NEAR = re.compile(r"; did you mean (?P<name>.+)\?$")
 _PARTS = re.compile(r"([@=,:])")
+_LISTED = re.compile(r"; expected (?:a joint|a body|a movable body) of [^;]*?: (?P<first>[\w.-]+)")
+"""What says the names that there are."""
+_WRITES = {"--out", "--json", "--junit"}
+"""Options whose value is a place that may not do."""
+_READS = {"--columns", "--covariate"}
+"""Options that name a column."""
+_LEAVE_OUT = re.compile(r"given with (?P<option>--[a-z-]+); .*; leave it out$|, or no (?P<other>--[a-z-]+)$")
+"""What says which of two options goes."""
 _ALIKE = 0.6
 """As difflib's own cutoff, by which the near name was found."""
 
@@ -36,8 +45,9 @@ def whole_line(error: Exception, group: click.Group) -> str:
         return f"{message[: options.start()]}Try: {line}{options['rest'] or ''}"
     if words and near and (meant := _with_near(words, near)):
         return f"{message.rstrip('.')}{'' if message.endswith('?') else '.'} Try: {shlex.join(meant)}"
-    if words and isinstance(error, InputError) and (kept := _without(words, error, group)):
-        return f"{message}. Try: {shlex.join(kept)}"
+    to_mend = len(words) > 1 and isinstance(error, HarnessError) and "Try: " not in message
+    if to_mend and (kept := _mended(words, error, group)):
+        return f"{message.rstrip('.')}. Try: {shlex.join(kept)}"
     return f"{message.rstrip('.')}. Try: {help_of} --help" if help_of else message
 
 
@@ -71,15 +81,45 @@ def _split(word: str, name: str) -> list[str]:
     return [word] if _PARTS.search(name) else _PARTS.split(word)
 
 
-def _without(words: Sequence[str], error: InputError, group: click.Group) -> list[str]:
-    """Words of a command without the option that was given where it does not go; none where it is not about one."""
-    at = [i for i, word in enumerate(words) if word.partition("=")[0] == error.where]
-    goes_not = error.found.startswith("given") and error.accepted.startswith(("it ", "one of the two"))
-    if len(at) != 1 or not goes_not or len(words) < 2:
-        return []
+def _mended(words: Sequence[str], error: Exception, group: click.Group) -> list[str]:
+    """Words of a command with another value for the option that an error is about, where it lists some, or without it;
+    none where it is about nothing that can be left out.
+    """
     command = group.get_command(click.Context(group), words[1])
-    options = [one for one in command.params if error.where in one.opts] if command else []
-    if not options or not isinstance(options[0], click.Option):
-        return []
-    values = 0 if options[0].is_flag or "=" in words[at[0]] else options[0].nargs
-    return [*words[: at[0]], *words[at[0] + 1 + values :]]
+    options = [one for one in command.params if isinstance(one, click.Option)] if command else []
+    wrong = []
+    for option in options:
+        at = [i for i, word in enumerate(words) if word.partition("=")[0] in option.opts]
+        value = "".join(words[at[0]].partition("=")[2] or words[at[0] + 1 : at[0] + 2]) if at else ""
+        if at and _is_about(error, option, value):
+            if option.required or len(at) > 1:
+                return []
+            wrong.append((at[0], option))
+    listed, kept = _LISTED.search(str(error)), list(words)
+    # of two that exclude each other the first stays
+    for i, option in sorted(wrong, reverse=True)[: 1 if "; expected one of the two" in str(error) else None]:
+        count = 0 if option.is_flag or "=" in words[i] else option.nargs
+        kept[i : i + 1 + count] = [words[i], listed["first"]] if listed and count == 1 else []
+    return kept if wrong else []
+
+
+def _is_about(error: Exception, option: click.Option, value: str) -> bool:
+    """Whether an error names an option that was given, the number that it sets, a column that it takes, or the place
+    that it writes to; not what is wrong with a file that it reads.
+    """
+    where, _, found = str(error).partition(": ")
+    if isinstance(error, InputError):
+        where, found = error.where, error.found
+        if beside := _LEAVE_OUT.search(str(error)):
+            return (beside["option"] or beside["other"]) in option.opts
+    writes = not _WRITES.isdisjoint(option.opts)
+    if writes and value == "-":
+        return False
+    if writes and where in (value, str(Path(value).absolute())):
+        return True
+    if isinstance(option.type, click.Path) and not writes and not found.startswith("given"):
+        return False
+    if not _READS.isdisjoint(option.opts) and found == "no such column":
+        return True
+    named = re.findall(r"--[a-z][\w-]*", found if "between --" in found and "--" not in where else where)
+    return not set(named).isdisjoint(option.opts) or where.rpartition(": ")[2] == option.name

@@ -118,6 +118,16 @@ def test_bad_input_is_one_line_and_exit_2(line: str, message: str, capfd: pytest
         ("run --joint=elbow --m 2", "run --m 2"),
         ("diagnose good.csv --resume", "diagnose good.csv"),
         ("identify", "identify --help"),
+        ("identify driven.csv", "diagnose driven.csv"),
+        ("identify good.csv --rate=0", "identify good.csv"),
+        ("identify good.csv --columns x=y", "identify good.csv"),
+        ("identify good.csv --from 3", "identify good.csv"),
+        ("run belt --m 0 --out new", "run belt --out new"),
+        ("run --out full", "run"),
+        ("diagnose good.csv --restoring rope", "diagnose good.csv"),
+        ("diagnose log.csv --robot arm.xml --mass 3", "diagnose log.csv --robot arm.xml"),
+        ("diagnose log.csv --robot arm.xml --joint wheel", "diagnose log.csv --robot arm.xml --joint base"),
+        ("sweep --resume --out nowhere", "sweep --out nowhere"),
     ],
 )
 @pytest.mark.usefixtures("desk")

@@ -243,7 +243,7 @@ class DiagnoseOptions:
         """Refuse what a robot's model says itself, and what is not done with a log of joints."""
         for option in ("mass", "restoring", "zero"):
             if getattr(self, option) is not None:
-                raise InputError("--robot", f"given with --{option}", "the model of the robot says it; leave it out")
+                raise InputError("--robot", f"given with --{option}", "what the model of the robot says; leave it out")
         for option in ("model", "sim", "validate", "trace", "covariates"):
             if getattr(self, option) not in (None, ()):
                 said = f"given with --{option.removesuffix('s')}"

@@ -1,5 +1,6 @@
 """The estimators on a recording, and their estimates in the form of the results."""
 
+import shlex
 from dataclasses import replace
 
 import numpy as np
@@ -79,7 +80,7 @@ def estimated(recording: Recording, restoring: Swing = "spring") -> tuple[Estima
     if "u" in recording and np.any(recording["u"] != 0.0):
         largest = float(np.max(np.abs(recording["u"])))
         found = f"a driven recording (a force of up to {largest:.3g} N acts), which is no free decay"
-        raise InputError(f"{recording.file}: channel u", found, FREE)
+        raise InputError(f"{recording.file}: channel u", found, f"try: harness diagnose {shlex.quote(recording.file)}")
     recording, unused = without_limited(recording)
     recording, beyond = believed(recording, ("x", "v"))
     beyond, cleaned = (*unused, *beyond), recording

@@ -58,7 +58,7 @@ def _unsmooth(series: Series) -> Moves | None:
     if series.smooth:
         return None
     if series.memory <= _SHORT:
-        return Moves(MotionKind.AT_REST, "noise about a level: it differs as much from sample to sample as over longer")
+        return Moves(MotionKind.AT_REST, "noise about a level, as large from sample to sample as over longer")
     return Moves(MotionKind.NOT_MECHANICAL, "too rough from sample to sample for a mass, at any level of noise")
 
 

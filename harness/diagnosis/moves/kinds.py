@@ -32,7 +32,7 @@ _WANTED = {
     MotionKind.STEPS: f"its controller hides friction: {_FORCE}",
     MotionKind.SPIN_UP: f"its drive hides friction: switch it off and record until it rests, or {_FORCE}",
     MotionKind.AT_REST: f"nothing moves: {_FORCE}",
-    MotionKind.NOT_MECHANICAL: f"of a slider: {_FORCE}",
+    MotionKind.NOT_MECHANICAL: f"no slider moves so: {_FORCE}",
     MotionKind.DRIVEN: f"something moves it whose force is not known: {_FORCE}",
 }
 Span = tuple[float, float]
@@ -55,9 +55,8 @@ class Moves:
     def refuse(self, file: str) -> None:
         """Raise InputError for what tells nothing of friction; what is driven unseen is still followed as a swing."""
         if self.wanted and self.kind is not MotionKind.DRIVEN:
-            raise InputError(
-                file, f"no motion that shows friction ({self.kind}): {self.reason}", f"it needs more: {self.wanted}"
-            )
+            why, _, more = self.wanted.partition(": ")
+            raise InputError(file, f"no motion that shows friction ({why}: {self.reason})", f"another: {more}")
 
     def part(self, recording: Recording) -> tuple[Recording, tuple[str, ...]]:
         """The largest of several decays by itself, and a sentence on the others; else the recording."""
