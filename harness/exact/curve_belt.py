@@ -7,7 +7,6 @@ sliding speed. What sticks again is loaded at the speed of the belt, as on any b
 import math
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from harness.core.arrays import FloatArray
 from harness.core.scenario import CurveBelt
@@ -40,6 +39,9 @@ def curve_cycle(slider: Slider, belt: CurveBelt) -> LimitCycle | SteadySliding:
 
     caught.terminal, caught.direction = True, -1.0  # type: ignore[attr-defined]
     span = (0.0, LONGEST * 2.0 * math.pi / slider.omega_n)
+    # imported when it is needed: it brings half of its library along
+    from scipy.integrate import solve_ivp
+
     run = solve_ivp(
         slide, span, (start, 0.0), "DOP853", events=(caught, turned), rtol=RTOL, atol=ATOL, dense_output=True
     )

@@ -8,11 +8,6 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
-from harness.diagnosis.baseline.base_fit import baseline
-from harness.diagnosis.pipeline import prepare
-from harness.diagnosis.problems.free_decay import FreeDecay
-from harness.diagnosis.problems.simulated import observe
-from harness.diagnosis.request import Asked
 from harness.estimate.every import estimate_all
 from harness.estimate.result import Estimation
 from harness.estimate.saturation import believed, without_limited
@@ -31,6 +26,11 @@ def as_spring(recording: Recording) -> Recording:
     if not recording.angular:
         found = f"pendulum, but {recording.file} holds no angle"
         raise InputError("--restoring", found, "a unit such as rad or deg, x[rad] in --columns")
+    # imported when it is needed: a run's estimates do without the diagnosis and its compiler
+    from harness.diagnosis.baseline.base_fit import baseline
+    from harness.diagnosis.pipeline import prepare
+    from harness.diagnosis.request import Asked
+
     try:
         problem, _ = prepare(recording, Asked(Restoring.PENDULUM))
         model = baseline(problem)[0].model
@@ -44,6 +44,9 @@ def as_spring(recording: Recording) -> Recording:
 
 def _shown(model: Model, recording: Recording) -> dict[str, FloatArray]:
     """The motion channels of a model without noise, at the recording's times."""
+    from harness.diagnosis.problems.free_decay import FreeDecay
+    from harness.diagnosis.problems.simulated import observe
+
     names = [c for c in ("x", "v", "a") if c in recording]
     nothing: FloatArray = np.zeros(recording.t.size)
     return observe(model, FreeDecay(recording.t, dict.fromkeys(names, nothing), {})).y

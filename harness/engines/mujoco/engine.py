@@ -7,7 +7,6 @@ from typing import Any, ClassVar, final
 import mujoco
 import numpy as np
 from mujoco.rollout import rollout
-from scipy.optimize import brentq
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
@@ -45,6 +44,9 @@ def rest_height(model: Any) -> float:
         shallow, deep = deep, 2.0 * deep
         if deep < -_DEEPEST:
             raise SimulationError("mujoco: the contact is too soft to carry the box")
+    # imported when it is needed: it brings half of its library along
+    from scipy.optimize import brentq
+
     return float(brentq(rising, shallow, deep, xtol=1e-15, rtol=1e-12)) if rising(shallow) < 0.0 else shallow
 
 
