@@ -4,11 +4,12 @@ import gzip
 import json
 import os
 import zlib
+from contextlib import suppress
 from itertools import islice
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from harness.core.errors import InputError, did_you_mean
+from harness.core.errors import TRY, InputError, did_you_mean
 
 MEBIBYTE = 1 << 20
 MOST_BYTES = 1024 * MEBIBYTE
@@ -19,6 +20,8 @@ _MOST_BESIDE = 1000
 """Names of a folder that a mistyped one is compared with."""
 _PIECE = 4 * MEBIBYTE
 _MOST_DIGITS = 1000
+_POINTER = b"version https://git-lfs"
+"""Begins what a clone holds in place of a large file."""
 
 
 def check_file(path: Path, where: str = "", accepted: str = "a file that can be read") -> None:
@@ -31,6 +34,9 @@ def check_file(path: Path, where: str = "", accepted: str = "a file that can be 
         raise InputError(where or str(path), "a folder", accepted + (f"; did you mean {files[0]}?" if files else ""))
     if not path.is_file():
         raise InputError(where or str(path), "no such file", accepted + _near(path))
+    with suppress(OSError), path.open("rb") as file:  # what cannot be opened is told where it is read
+        if file.read(len(_POINTER)) == _POINTER:
+            raise InputError(where or str(path), "a pointer of Git LFS in place of the data", f"{TRY}git lfs pull")
 
 
 def _near(path: Path) -> str:

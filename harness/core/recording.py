@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -104,6 +105,11 @@ class Recording:
     def interval(self) -> float:
         """Median sampling interval, s."""
         return float(np.median(np.diff(self.t)))
+
+    @property
+    def name(self) -> str:
+        """Of its file, without the folder."""
+        return Path(self.file).name
 
     @property
     def rate(self) -> float:

@@ -24,7 +24,6 @@ from harness.io.times import counted_from, even_rate, rising, sampling_notes, si
 from harness.io.units import Unit
 from harness.io.wrapping import unwrapped
 
-_POINTER = b"version https://git-lfs"
 _MOST_LOST = 0.05
 """Share of the samples that may be left out unasked: rows written twice, a clock set back once, an empty cell."""
 _AGAIN = 0.1
@@ -41,9 +40,6 @@ def sha256(path: Path) -> str:
 
 def _open(path: Path, options: ReadOptions) -> Table:
     kind = kind_of(path)
-    with path.open("rb") as file:
-        if file.read(len(_POINTER)) == _POINTER:
-            raise InputError(str(path), "a pointer of Git LFS in place of the data", "git lfs pull fetches the file")
     reader = reader_of(kind)
     if reader is not None and reader.text:
         return reader.open(path, options.skip_rows)

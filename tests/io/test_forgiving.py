@@ -299,6 +299,16 @@ def test_a_run_is_asked_for_by_its_number(tmp_path: Path) -> None:
         read_recording(path, ReadOptions(run=3))
 
 
+def test_settings_above_a_lone_column_say_its_rate_and_its_unit(tmp_path: Path) -> None:
+    path = tmp_path / "swing.txt"
+    x = 45.2 * X / X[0]
+    path.write_text("start_deg, sample_rate, seconds\n45, 200, 5\n" + "".join(f"{value:.4f}\n" for value in x))
+    with pytest.raises(InputError, match=r"--rate 200, which reads .* rad$"):
+        read_recording(path)
+    found = read_recording(path, ReadOptions(columns="x=#1", rate=200.0))
+    np.testing.assert_allclose(found["x"], np.radians(x), atol=1e-6)
+
+
 def test_no_even_clock_over_a_gap(tmp_path: Path) -> None:
     coarse = np.floor(T * 50.0) / 50.0
     assert read_recording(written(tmp_path / "a.csv", "t,x", coarse, X)).rate == pytest.approx(200.0, rel=5e-3)

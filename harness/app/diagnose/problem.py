@@ -86,7 +86,7 @@ def prepared_together(recordings: Sequence[Recording], options: DiagnoseOptions)
     for one, moves in zip(recordings, all_moves, strict=True):
         moves.refuse(one.file)
     each = [_channels(one, alone) for one, alone in zip(recordings, problem.alone, strict=True)]
-    warnings = [f"{one.file}: {line}" for one, (_, said) in zip(recordings, each, strict=True) for line in said]
+    warnings = [f"{one.name}: {line}" for one, (_, said) in zip(recordings, each, strict=True) for line in said]
     channels = next((channels for channels, _ in each if channels), ())
     return Prepared(problem, notes, tuple(warnings), channels, recordings[0], all_moves[0])
 

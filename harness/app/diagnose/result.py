@@ -2,7 +2,7 @@
 
 import logging
 import shlex
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -123,7 +123,7 @@ def result_of(
         outcome,
         recording=info.model_copy(update={"notes": notes}),
         motion=MotionResult.taken_from(prepared.moves, spans_s=prepared.moves.spans),
-        read=_read(recording, options),
+        read=read_of((recording,), options),
         statement=sentence_of(outcome, shared.has),
         baseline=_fit_result(base, outcome, outcome.base_parameters),
         where=_places(outcome),
@@ -175,13 +175,17 @@ def _shared(recording: Recording, outcome: Outcome, options: DiagnoseOptions, us
     return attribution_of(outcome, whole, options, user)
 
 
-def _read(recording: Recording, options: DiagnoseOptions) -> ReadResult | None:
-    if not recording.columns:
+def read_of(recordings: Sequence[Recording], options: DiagnoseOptions) -> ReadResult | None:
+    """The command that reads recordings of one machine, as the first of them was read."""
+    first = recordings[0]
+    if not first.columns:
         return None
-    columns = dict(recording.columns)
+    columns = dict(first.columns)
     said = replace(options.reading, columns=",".join(f"{c}={product}" for c, product in columns.items()))
-    command = f"harness diagnose {shlex.quote(recording.file)} {said.pasted}"
-    return ReadResult(command=command, columns=columns, mended=list(recording.mended))
+    files = dict.fromkeys(shlex.quote(one.file.removesuffix(f" run {k}")) for k, one in enumerate(recordings, 1))
+    together = " --together" if len(recordings) > 1 else ""
+    command = f"harness diagnose {' '.join(files)} {said.pasted}{together}"
+    return ReadResult(command=command, columns=columns, mended=list(first.mended))
 
 
 def _fit_result(found: Fit, outcome: Outcome, of: Mapping[str, Quantity]) -> FitResult:

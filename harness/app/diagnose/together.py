@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
@@ -13,7 +12,7 @@ from harness.app.diagnose.conditions import Conditions, in_order
 from harness.app.diagnose.files import simulated
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.problem import prepared_together, validation
-from harness.app.diagnose.result import STEPS, Diagnosed, result_of, with_laws
+from harness.app.diagnose.result import STEPS, Diagnosed, read_of, result_of, with_laws
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.shared.reading import recording_info, thinned
 from harness.core.errors import InputError
@@ -48,7 +47,7 @@ def own_results(recordings: Sequence[Recording], outcome: Outcome) -> list[OwnRe
     length = "rad" if problem.angular else "m"
     numbers = numbers_of(refined, problem, outcome.scales.omega, explained)
     differ = differences(refined, problem, outcome.scales.omega, explained)
-    first = recordings[0].file
+    first = recordings[0].name
     errors = _of_starts(problem)
     found = []
     runs = problem.runs(refined.model)
@@ -153,6 +152,7 @@ def investigate_together(
     }
     laid, other = _laid(recordings, problem, outcome), validation(recordings[0], options)
     result = result_of(laid, ready, outcome, options, Configured(), other, command, **more)
+    result = result.model_copy(update={"read": read_of(recordings, options)})
     result, left = with_laws(result, outcome)
     return Diagnosed(laid, outcome, simulated(laid, outcome), result, left)
 
@@ -171,14 +171,14 @@ def _refuse_conditions(recordings: Sequence[Recording], conditions: Conditions) 
     given = in_order(conditions, [one.file for one in recordings]).values()
     if conditions and all(value is None for values in given for value in values):
         found = f"rows of {', '.join(conditions)}, which are none of the recordings"
-        accepted = f"a row each of {', '.join(Path(one.file).name for one in recordings)}"
+        accepted = f"a row each of {', '.join(one.name for one in recordings)}"
         raise InputError("--conditions", found, accepted)
 
 
 def _laid(recordings: Sequence[Recording], problem: Together | ForcesTogether, outcome: Outcome) -> Recording:
     """What was fitted, on the common axis of time, as one recording; each from where the models start."""
-    names = ", ".join(one.file for one in recordings)
-    notes = tuple(f"{one.file}: {note}" for one in recordings for note in one.notes)
+    names = ", ".join(one.name for one in recordings)
+    notes = tuple(f"{one.name}: {note}" for one in recordings for note in one.notes)
     fitted = np.zeros(problem.t.size, dtype=bool)
     for at, one in zip(problem.places, outcome.problem.runs(outcome.refined.model), strict=True):
         fitted[at] = problem.t[at] - one.clock >= one.model.t0

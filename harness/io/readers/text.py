@@ -6,6 +6,7 @@ import re
 from array import array
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -13,8 +14,8 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.bounded import read_bytes, unpacked
 from harness.core.errors import InputError
-from harness.io.columns import meaning, word_of
-from harness.io.layout import Head, rate_of, separator_of
+from harness.io.columns import meaning, unit_ending, word_of
+from harness.io.layout import NUMBER, Head, is_row, rate_of, separator_of
 from harness.io.reader import Reader
 from harness.io.table import Table
 from harness.io.times import Clock
@@ -41,6 +42,9 @@ _RATE = re.compile(
     re.IGNORECASE,
 )
 """A line above the numbers that says how many samples there are a second."""
+_IS_RATE = re.compile(r"^(?:sampl\w{0,6}|scan|data|frame)[ _-]?(?:rate|freq\w{0,6})(?:[ _-]?hz)?$", re.IGNORECASE)
+_NEAR = 0.05
+"""Share by which a first sample may differ from what a run was to start with."""
 _BRACKETS = re.compile(r"^[\[(]\s*([^\[\]()]*?)\s*[\])]$")
 _FORTRAN = re.compile(r"^([+-]?\d*\.?\d+|[+-]?\d+\.)[dD]([+-]?\d{1,3})$")
 _WITHOUT = "na n/a null none nil --- overload overflow ovld ovf #n/a #num! #value! \N{INFINITY} -\N{INFINITY}"
@@ -252,6 +256,15 @@ def _single_blanks(data: bytes | bytearray) -> bytes:
     return found.replace(b" \n", b"\n").replace(b"\n ", b"\n").strip(b" ")
 
 
+def _settings(above: str) -> dict[str, float]:
+    """What stands above the numbers as a line of names over a line of one number each; {} where nothing does."""
+    lines = [re.split(r"\s*[,;\t]\s*", line.strip(" #%\r")) for line in above.split("\n") if line.strip()]
+    for names, cells in pairwise(lines):
+        if len(names) == len(cells) > 1 and is_row(cells) and not any(NUMBER.match(name) for name in names):
+            return {name: float(cell) for name, cell in zip(names, cells, strict=True) if cell}
+    return {}
+
+
 class TextTable(Table):
     """A text table, kept as bytes until its columns are asked for."""
 
@@ -276,10 +289,25 @@ class TextTable(Table):
         self.mended += [passed] if passed else []
         if head is not None:
             self.rate, self.own = head.rate, head.own
-        said = _RATE.search(_decode(bytes(self._data[: min(self._layout.offset, _HEAD)])))
+        before = _decode(bytes(self._data[: min(self._layout.offset, _HEAD)]))
+        said = _RATE.search(before)
         number = rate_of(said["rate"]) if said else None
         if said and number:
             self.said_rate = number * (1e3 if said["unit"].lower() == "khz" else 1.0)
+        settings = _settings(before)
+        self.said_rate = self.said_rate or next((y for name, y in settings.items() if _IS_RATE.search(name)), None)
+        if len(self.names) == 1 and not self.units:
+            self.units |= self._unit_of_start(settings)
+
+    def _unit_of_start(self, settings: dict[str, float]) -> dict[int, str]:
+        """The unit of a lone column whose first value a setting above it tells, by the ending of that one's name."""
+        row = self._data[self._layout.offset :].split(b"\n", 1)[0]
+        first = _number(_decode(bytes(row)).strip(), self._layout.decimal)
+        for name, value in settings.items():
+            ending = unit_ending(name)
+            if ending and first and abs(abs(value) - abs(first)) < _NEAR * abs(first):
+                return {0: ending[1]}
+        return {}
 
     def read(self, positions: Sequence[int]) -> list[FloatArray]:
         """See Table."""
