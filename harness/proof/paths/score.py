@@ -4,6 +4,7 @@ A name claims where it is graded "main" or "explains", a list where it has three
 none of the mechanism makes the whole wrong, and so does a short list without it.
 """
 
+import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -91,7 +92,9 @@ def found(truths: Mapping[str, Truth], results: Mapping[str, Result]) -> list[Fi
                 kept["told"].append(what in (NAMED, LISTED))
                 kept["bare"] += [what in (NAMED, LISTED)] if not truth["arguments"] else []
             kept["right_covered"] += within(truth, result) if what == NAMED else []
-            kept["holdout"] += [holdout_ratio((result or {}).get("holdout"))] if what in (NAMED, LISTED) else []
+            # of a table, and of a motion too short to part, nothing is held out
+            held = holdout_ratio((result or {}).get("holdout"))
+            kept["holdout"] += [held] if what in (NAMED, LISTED) and math.isfinite(held) else []
         else:
             kept["misled"].append(what == WRONG)
             sure = [m for m in (result or {}).get("mechanisms", []) if (m.get("probability") or 0.0) >= SURE]

@@ -31,10 +31,13 @@ def curve(found: PathsResult) -> b.Section:
     limit = math.log(2000.0)
     style = {"color": "ink", "width": 1.4, "dash": "dot"}
     traces.append(plain("what BIC charges for two numbers", [limit, limit], [0, 100], "ink", line=style))
-    layout = axes("log-likelihood that the base model is expected to lose, effective samples", "of the effects / %")
+    layout = axes("worth / effective samples", "of the effects / %")
     layout["xaxis"] |= {"type": "log", "exponentformat": "power"}
     layout["yaxis"]["range"] = [-3, 103]
-    caption = "Left of the dotted line nobody who goes by BIC can name an effect; it is drawn for 2000 samples."
+    caption = (
+        "What an effect is worth is the log-likelihood that the base model is expected to lose. Left of the dotted "
+        "line nobody who goes by BIC can name it; it is drawn for 2000 samples."
+    )
     columns = [
         b.Column("effects", lambda one: str(one.cases)),
         *(b.Column(name, b.by(name, lambda one, key: _rate(getattr(one, key)))) for name in _SAID),
@@ -44,7 +47,8 @@ def curve(found: PathsResult) -> b.Section:
 
 
 def _between(level: PathLevel) -> str:
-    return f"{level.low:.3g} to {level.high:.3g}"
+    low, high = (float(f"{one:.3g}") for one in (level.low, level.high))
+    return f"{low:g} to {high:g}"
 
 
 _WAYS = {
