@@ -16,6 +16,7 @@ from harness.core.trajectory import Trajectory
 from harness.results.common import P
 from harness.results.identify import IdentifyResult
 from harness.results.run import Metrics, RunResult
+from harness.show import blocks as b
 from harness.show.blocks import Figure
 from harness.show.numbers import number, quantity, sentence_quantity, with_error
 from harness.show.report.identify import identify_page
@@ -151,6 +152,15 @@ def test_a_page_stays_below_its_limit(samples: int, tmp_path: Path) -> None:
     sources = [make_sources(samples)[0], *(make_sources(samples)[2:] * 4)]
     write_report(tmp_path / "page.html", run_page(make_run_result(sources), sources))
     assert (tmp_path / "page.html").stat().st_size <= 5_000_000
+
+
+def test_a_table_of_one_row_stands_as_names_and_values() -> None:
+    columns = [b.Column("as pasted", str, "mrad"), b.Column("a point", str)]
+    row = b.Row("one.csv", [b.Cell("0.908"), b.Cell("1.00")])
+    for rows, tables in (([row], 0), ([row, row], 1)):
+        html = render(b.Page("Logs", "", [b.Section("Logs", [b.Table("log", columns, rows)])]))
+        assert html.count("<table") == tables
+        assert all(text in html for text in ("one.csv", "as pasted", "0.908", "mrad", "a point", "1.00"))
 
 
 def test_text_cannot_leave_its_script() -> None:
