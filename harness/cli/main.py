@@ -174,9 +174,7 @@ def _check_names(line: Sequence[str]) -> None:
 def _explained(error: BaseException) -> tuple[str, int]:
     """The line a person reads and the exit code."""
     match error:
-        case HarnessError():
-            return whole_line(error, cli), error.exit_code
-        case click.UsageError() if error.ctx is not None:
+        case HarnessError() | click.UsageError():
             return whole_line(error, cli), error.exit_code
         case click.ClickException():
             return error.format_message(), error.exit_code

@@ -20,6 +20,10 @@ _WRITES = {"--out", "--json", "--junit"}
 """Options whose value is a place that may not do."""
 _READS = {"--columns", "--covariate"}
 """Options that name a column."""
+_CHOICES = re.compile(r"(?:one of )?([a-z][\w-]*(?:, [a-z][\w-]*)+)")
+"""A list of what an argument may be."""
+_COMMON = "mujoco"
+"""The one of a list that every installation has."""
 _LEAVE_OUT = re.compile(r"given with (?P<option>--[a-z-]+); .*; leave it out$|, or no (?P<other>--[a-z-]+)$")
 """What says which of two options goes."""
 _ALIKE = 0.6
@@ -32,14 +36,15 @@ def whole_line(error: Exception, group: click.Group) -> str:
     error : ends in options to try, in a name that is near, or is about an option that does not go with the others; one
     of click's names its command. group : whose commands know which options take a value.
     """
+    words = shlex.split(this_line())
     if isinstance(error, click.UsageError):
-        message, help_of = error.format_message(), error.ctx.command_path if error.ctx else ""
+        message = error.format_message()
+        help_of = error.ctx.command_path if error.ctx else f"harness {words[1]}" if words[1:] else "harness"
     else:
         message, help_of = str(error), ""
     near = error.possibilities[0] if isinstance(error, click.NoSuchOption) and error.possibilities else ""
     if found := _NEAR.search(message):
         near = found["name"]
-    words = shlex.split(this_line())
     if words and (options := _PROPOSED.search(message)):
         line = f"{shlex.join(_without_named(words, options['options']))} {options['options']}"
         return f"{message[: options.start()]}Try: {line}{options['rest'] or ''}"
@@ -96,6 +101,10 @@ def _mended(words: Sequence[str], error: Exception, group: click.Group) -> list[
                 return []
             wrong.append((at[0], option))
     listed, kept = _LISTED.search(str(error)), list(words)
+    if not wrong and isinstance(error, InputError) and (listing := _CHOICES.fullmatch(error.accepted)):
+        choices = listing[1].split(", ")
+        first = _COMMON if _COMMON in choices else choices[0]
+        return [first if error.found == f"'{word}'" else word for word in words] if error.found[1:-1] in words else []
     # of two that exclude each other the first stays
     for i, option in sorted(wrong, reverse=True)[: 1 if "; expected one of the two" in str(error) else None]:
         count = 0 if option.is_flag or "=" in words[i] else option.nargs

@@ -51,7 +51,8 @@ def read_xml(path: Path, edited: Mapping[Path, str] = MappingProxyType({})) -> S
         tree = etree.fromstring(_VERSION.sub(rb"\g<1>1.0", data), parser).getroottree()
         text = data.decode(tree.docinfo.encoding or "utf-8") if other is None else other
     except (etree.XMLSyntaxError, UnicodeDecodeError, LookupError) as error:
-        raise InputError(str(path), f"no XML ({error})", "a robot's model, MJCF or URDF") from None
+        told = str(error).partition(" (<string>")[0]
+        raise InputError(str(path), f"no XML ({told})", "a robot's model, MJCF or URDF") from None
     if tree.docinfo.doctype or tree.docinfo.internalDTD is not None:
         raise InputError(str(path), "a document type, by which entities come in", "a model without one")
     root = tree.getroot()

@@ -129,6 +129,10 @@ def test_bad_input_is_one_line_and_exit_2(line: str, message: str, capfd: pytest
         ("diagnose log.csv --robot arm.xml --mass 3", "diagnose log.csv --robot arm.xml"),
         ("diagnose log.csv --robot arm.xml --joint wheel", "diagnose log.csv --robot arm.xml --joint base"),
         ("sweep --resume --out nowhere", "sweep --out nowhere"),
+        ("run nope", "run free-decay"),
+        ("tune foo", "tune mujoco"),
+        ("dataset emps", "dataset emps --download emps"),
+        ("run --m", "run --help"),
     ],
 )
 @pytest.mark.usefixtures("desk")

@@ -100,7 +100,9 @@ def test_viewing_without_a_screen_is_one_line(
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     (tmp_path / "trace.rrd").touch()
     assert run(["view", str(tmp_path)]) == 2
-    assert "neither DISPLAY nor WAYLAND_DISPLAY is set; expected a screen, or --web" in capfd.readouterr().err
+    told = capfd.readouterr().err
+    assert "neither DISPLAY nor WAYLAND_DISPLAY is set. Try: " in told
+    assert told.endswith(" --web\n")
 
 
 def test_a_bug_is_one_line_that_says_where_the_details_are(

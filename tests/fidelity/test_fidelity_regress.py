@@ -219,7 +219,7 @@ def test_junit_names_what_failed(rows: room.Rows, baseline: Path) -> None:
 
 @pytest.mark.parametrize(
     ("content", "message"),
-    [(None, "No such file or directory; expected a file --update wrote"), ("{}", "no harness.baseline/1")],
+    [(None, "No such file or directory. Try: --baseline friction.json --update"), ("{}", "no harness.baseline/1")],
 )
 def test_bad_baselines(content: str | None, message: str, tmp_path: Path) -> None:
     path = tmp_path / "b.json"

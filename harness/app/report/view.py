@@ -42,7 +42,7 @@ def view(places: Sequence[Path], web: bool = False) -> int:
     if program is None:
         raise InputError("rerun", "not found", "an installed rerun-sdk, whose viewer this is")
     if not web and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-        raise InputError("screen", "neither DISPLAY nor WAYLAND_DISPLAY is set", "a screen, or --web")
+        raise InputError("screen", "neither DISPLAY nor WAYLAND_DISPLAY is set", "try: --web")
     if len(traces) == 1:
         return subprocess.run(viewer_command(program, traces[0], web), check=False).returncode
     with tempfile.TemporaryDirectory() as folder:

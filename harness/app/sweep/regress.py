@@ -22,6 +22,7 @@ from harness.io.store import write_text
 from harness.results.sweep import Baseline, BaselineRow, Moved, RegressResult
 
 Rows = dict[str, dict[str, Any]]
+_ANOTHER = "try: --baseline friction.json --update"
 Version = tuple[str, str, str]
 """Engine, version, environment."""
 
@@ -31,9 +32,9 @@ def load_baseline(path: Path) -> Baseline:
     try:
         return Baseline.model_validate_json(read_bytes(path, MOST_DOCUMENT_BYTES))
     except InputError as error:
-        raise InputError(f"--baseline {path}", error.found, "a file --update wrote") from None
+        raise InputError(f"--baseline {path}", error.found, _ANOTHER) from None
     except ValidationError:
-        raise InputError(f"--baseline {path}", "no harness.baseline/1", "a file --update wrote") from None
+        raise InputError(f"--baseline {path}", "no harness.baseline/1", _ANOTHER) from None
 
 
 def fresh_rows(options: SweepOptions, progress: Progress = SILENT) -> Rows:

@@ -49,7 +49,9 @@ def command(name: str, folder: Path | None, into: Path | None, jobs: int | None,
     from harness.app.dataset.emps import dataset_emps, download_emps
 
     if (folder is None) == (into is None):
-        raise InputError("--from, --download", "neither" if into is None else "both", "one of the two")
+        if into is None:
+            raise InputError("--from, --download", "neither", "try: --download emps")
+        raise InputError("--from, --download", "both", "one of the two")
     with to.told() as progress:
         if folder is None:
             assert into is not None
