@@ -100,7 +100,17 @@ def _by_names(table: Table, rate: float | None) -> Chosen | None:
         return None
     mappings = {c: Mapping(c, (f"#{found[c][0] + 1}",)) for c in CHANNELS if c in found}
     own = {c for c in found if table.names[found[c][0]] in ((c, "F") if c == "u" else (c,))}
-    return Chosen(mappings, frozenset(set(found) - own))
+    return Chosen(mappings, frozenset(set(found) - own), _namesakes(table, found))
+
+
+def _namesakes(table: Table, found: dict[str, list[int]]) -> tuple[str, ...]:
+    """A note where columns have one name, of which the first is read."""
+    last = {c: max(i for i, name in enumerate(table.names) if name == table.names[at[0]]) for c, at in found.items()}
+    again = [c for c in CHANNELS if c in found and last[c] != found[c][0]]
+    paste = ",".join(f"{c}=#{last[c] + 1}" for c in CHANNELS if c in found)
+    named = " and ".join(table.names[found[c][0]] for c in again)
+    said = f'Several columns are called {named}: the first is read, --columns "{paste}" reads the last.'
+    return (said,) if again else ()
 
 
 def _by_score(table: Table, options: ReadOptions) -> Chosen | None:
@@ -173,7 +183,7 @@ def said(table: Table, mappings: dict[str, Mapping], units: dict[str, Unit], gue
             )
         paste.append(f"{channel}={table.quoted(position)}[{shown}]")
         if channel in guessed:
-            parts.append(f"{channel} from {table.headers[position][:_LONG]} in {shown}{why}")
+            parts.append(f"{channel} from {table.headers[position][:_LONG] or table.quoted(position)} in {shown}{why}")
     return f'Read {", ".join(parts)}; to say otherwise: --columns "{",".join(paste)}".'
 
 

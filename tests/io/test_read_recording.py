@@ -401,3 +401,14 @@ def test_text_columns_of_parquet_are_named(tmp_path: Path) -> None:
     pq.write_table(pa.table({"t": T, "x": [str(x) for x in X]}), tmp_path / "a.parquet")
     with pytest.raises(InputError, match="row 1, column x: a column of type string"):
         read_recording(tmp_path / "a.parquet")
+
+
+def test_of_columns_of_one_name_the_first_is_read_and_the_last_is_told(tmp_path: Path) -> None:
+    t = np.arange(100) * 0.01
+    path = tmp_path / "twice.csv"
+    np.savetxt(path, np.column_stack((t, np.cos(t), np.sin(t))), "%.6f", ",", header="t,x,x", comments="")
+    first = read_recording(path)
+    (note,) = first.notes
+    last = read_recording(path, ReadOptions(columns=note.split('"')[1]))
+    np.testing.assert_allclose(first["x"], np.cos(t), atol=1e-6)
+    np.testing.assert_allclose(last["x"], np.sin(t), atol=1e-6)
