@@ -23,13 +23,16 @@ from harness.diagnosis.problem import P
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.residual_tests.structure import Left
-from harness.diagnosis.search.extend import settle
+from harness.diagnosis.search.extend import extend, settle
 from harness.diagnosis.search.long_recordings import lifted, shortened
 from harness.diagnosis.search.release_transient import after_hand, over_by
 from harness.diagnosis.search.search import Search, noise_of, search, under
 from harness.diagnosis.stages import Based, Found
 from harness.kernels.solve import Scales
 from harness.model.model import Model, Restoring
+
+_LIKELIEST = 3
+"""Laws, each alone, that are looked at again where stamps may jitter."""
 
 
 class FreeDecays(Kind[FreeDecay]):
@@ -87,7 +90,11 @@ class FreeDecays(Kind[FreeDecay]):
         if whole is None:
             return None
         again = self.fit_base(whole)
-        late = search(again.problem, again.fit, again.scales)
+        if not _likelier(found, again):
+            return None
+        # each law goes on from where it ended: what it says of the motion has hardly moved
+        alone = extend(again.fit, again.problem, again.scales, begun=found.begun) if found.begun else None
+        late = search(again.problem, again.fit, again.scales, alone=alone)
         one, other = (likelihood(f.chosen, f.problem, late.problem.weight) for f in (found, late))
         return None if one <= other else (late, again)
 
@@ -109,6 +116,18 @@ class FreeDecays(Kind[FreeDecay]):
         """Released as its own base fit is."""
         own, scales = baseline(problem)
         return [only_started(model, problem, own.model, scales) for model in models]
+
+
+def _likelier(found: Search, again: Based[FreeDecay]) -> bool:
+    """Whether a likely model of a search is likelier than the one it chose once samples count otherwise."""
+    problem = again.problem
+    least = likelihood(found.chosen, found.problem, problem.weight)
+    for one in (found.base, found.chosen, *found.singles[:_LIKELIEST]):
+        with suppress(SimulationError):
+            now = likelihood(fit(one.model, problem, one.free, again.scales, thorough=False), problem, problem.weight)
+            if now < least:
+                return True
+    return False
 
 
 def _entered(plain: Based[FreeDecay], problem: FreeDecay) -> Based[FreeDecay]:
