@@ -1,5 +1,9 @@
-"""One way of the proof on all ways, unsealed: what is hidden, what is said, how far numbers are off."""
+"""One way of the proof on all ways, unsealed: what is hidden, what is said, how far numbers are off.
 
+How far is in errors that count what could hide, where that is said.
+"""
+
+import math
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -34,7 +38,7 @@ def answer(seed: int, number: int, *, path: str) -> Answer:
             return Answer(False, about + str(error))
     said: dict[str, Any] = found.model_dump(mode="json")
     off = {
-        name: round((p.value - one.answer["base"][name]) / p.stderr, 1)
+        name: round((p.value - one.answer["base"][name]) / math.hypot(p.stderr, p.systematic or 0.0), 1)
         for name, p in found.refined.parameters.items()
         if name in one.answer["base"] and p.value is not None and p.stderr
     }
