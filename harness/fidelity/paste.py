@@ -85,6 +85,7 @@ _OPTION = (
     "cone",
     "impratio",
 )
+_PRECISION = {64: ('jax.config.update("jax_enable_x64", True)  # before the model is put on the device',)}
 _JOINT = {"solreffriction": "solreffriction", "solimpfriction": "solimpfriction"}
 _PAIR = {"solref": "solref", "solimp": "solimp", "solreffriction": "solreffriction"}
 _LINK = ("linearDamping", "angularDamping", "maxJointVelocity", "frictionAnchor")
@@ -92,8 +93,8 @@ _LINK = ("linearDamping", "angularDamping", "maxJointVelocity", "frictionAnchor"
 
 def paste(engine: str, route: Route, settings: Settings, changed: Settings) -> str:
     """What to paste for these changes; settings : all that are in force, "dt" among them."""
-    if engine == "mujoco":
-        return _mujoco(route, settings, changed)
+    if engine in ("mujoco", "mjx", "warp"):
+        return "\n".join([*_PRECISION.get(changed.get("precision", 0), ()), _mujoco(route, settings, changed)])
     if engine == "pybullet":
         return _pybullet(settings, changed)
     if engine in WRITERS:

@@ -143,31 +143,34 @@ _NEWTON = (
 
 _RATE = Axis("rate", (SHIPPED, 0.05, 0.1, 0.2, 0.5, 1.0, 1.4, 1.7, 1.9, 1.98))
 _JOINT = {"rate": "solreffriction", "impedance": "solimpfriction"}
+
+
+def _of_mujoco(integrators: Axis, *more: Axis) -> dict[Route, Space]:
+    """By route, for an engine that runs MuJoCo's models. more : its own axes, which a force of ours does not see."""
+    joint = (integrators, _RATE, Axis("impedance", _IMPEDANCE), *more)
+    contact = (
+        integrators,
+        Axis("cone", ("pyramidal", "elliptic")),
+        Axis("impratio", (1.0, 10.0, 100.0, 1e3, 1e5)),
+        Axis("steps", (SHIPPED, 2.0, 3.0, 4.0, 6.0, 10.0)),
+        Axis("impedance", _IMPEDANCE),
+        *more,
+        Axis("tolerance", (1e-8, 1e-12)),
+    )
+    return {
+        "joint": Space(joint, _mujoco_joint, _JOINT),
+        "contact": Space(contact, _mujoco_contact, {"steps": "solref", "impedance": "solimp"}),
+        "law": Space((integrators,), _plain),
+    }
+
+
+_MUJOCO = {
+    "mujoco": _of_mujoco(_INTEGRATORS, _NOSLIP),
+    "mjx": _of_mujoco(Axis("integrator", ("Euler", "implicitfast", "RK4")), Axis("precision", (32, 64))),
+    "warp": _of_mujoco(Axis("integrator", ("Euler", "implicitfast", "implicit", "RK4")), _NOSLIP),
+}
 _SPACES: dict[tuple[str, Route], Space] = {
-    ("mujoco", "joint"): Space(
-        (
-            _INTEGRATORS,
-            _RATE,
-            Axis("impedance", _IMPEDANCE),
-            _NOSLIP,
-        ),
-        _mujoco_joint,
-        _JOINT,
-    ),
-    ("mujoco", "contact"): Space(
-        (
-            _INTEGRATORS,
-            Axis("cone", ("pyramidal", "elliptic")),
-            Axis("impratio", (1.0, 10.0, 100.0, 1e3, 1e5)),
-            Axis("steps", (SHIPPED, 2.0, 3.0, 4.0, 6.0, 10.0)),
-            Axis("impedance", _IMPEDANCE),
-            _NOSLIP,
-            Axis("tolerance", (1e-8, 1e-12)),
-        ),
-        _mujoco_contact,
-        {"steps": "solref", "impedance": "solimp"},
-    ),
-    ("mujoco", "law"): Space((_INTEGRATORS,), _plain),
+    **{(name, route): found for name, spaces in _MUJOCO.items() for route, found in spaces.items()},
     ("pybullet", "joint"): Space(_BULLET, _plain),
     ("pybullet", "law"): Space(_BULLET, _plain),
     ("pybullet", "contact"): Space((*_BULLET, *_BULLET_CONTACT), _plain),
