@@ -182,15 +182,15 @@ def test_a_damaged_part_is_set_aside_and_only_its_rows_are_computed_again(swept:
     folder = tmp_path / "copy"
     parts = Parts(folder)
     rows = list(swept.rows())
-    parts.write(rows[:50])
-    parts.write(rows[50:])
+    parts.write(rows[:5])
+    parts.write(rows[5:])
     damaged = sorted(parts.folder.glob("part-*.parquet"))[0]
     content = bytearray(damaged.read_bytes())
     middle = len(content) // 3
     content[middle : middle + 40] = bytes(40)
     damaged.write_bytes(bytes(content))
     again = sweep(SweepOptions(SMALL.engines, SMALL.routes, SMALL.presets, SMALL.steps, jobs=1, resume=True), folder)
-    assert again.computed == 50
+    assert again.computed == 5
     assert again.notes == (
         "rows/part-000001.parquet was damaged and set aside as part-000001.parquet.damaged;"
         " its rows are computed again",
