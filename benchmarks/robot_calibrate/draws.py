@@ -19,6 +19,7 @@ from harness.robot.whole_arm.columns import (
     MOTOR,
     PAYLOAD,
     POSITION,
+    POWER,
     QUADRATIC,
     RIPPLE,
     STRIBECK,
@@ -160,8 +161,13 @@ def _asymmetric(rng: np.random.Generator, coulomb: float) -> Friction:
 
 
 def _quadratic(rng: np.random.Generator, coulomb: float) -> Friction:
-    size = _share(rng, coulomb) * float(rng.choice((-1.0, 1.0)))
+    size = _share(rng, coulomb)
     return lambda t, q, v, g: size * v * np.abs(v)
+
+
+def _power(rng: np.random.Generator, coulomb: float) -> Friction:
+    size, exponent = _share(rng, coulomb), rng.uniform(0.2, 0.8)
+    return lambda t, q, v, g: size * np.sign(v) * np.abs(v) ** exponent
 
 
 def _drift(rng: np.random.Generator, coulomb: float) -> Friction:
@@ -203,6 +209,7 @@ EFFECTS: dict[str, Callable[[np.random.Generator, float], Friction]] = {
     POSITION: _position,
     ASYMMETRIC: _asymmetric,
     QUADRATIC: _quadratic,
+    POWER: _power,
     DRIFT: _drift,
     PRESLIDING: _presliding,
     STATIC: _static,

@@ -13,6 +13,7 @@ from harness.model.terms import (
     friction_drift,
     load_dependent_friction,
     position_dependent_friction_cosine,
+    power_law_damping,
     quadratic_drag,
     stribeck,
 )
@@ -34,7 +35,7 @@ from harness.robot.whole_arm.rules import (
 
 STRIBECK, LOAD, RIPPLE = stribeck.TERM.name, load_dependent_friction.TERM.name, force_ripple.TERM.name
 POSITION, ASYMMETRIC = position_dependent_friction_cosine.TERM.name, asymmetric_viscous.TERM.name
-QUADRATIC, DRIFT = quadratic_drag.TERM.name, friction_drift.TERM.name
+QUADRATIC, DRIFT, POWER = quadratic_drag.TERM.name, friction_drift.TERM.name, power_law_damping.TERM.name
 INERTIA, PAYLOAD, MOTOR, DELAY = "inertia-error", "payload", "motor-constant", "torque-delay"
 SENSOR, TILT, ARMATURE, ZERO = "sensor-side", "tilt", "armature-error", "zero-offset"
 
@@ -69,7 +70,8 @@ class Candidate:
     is not linear in them. numbers : name and unit of what multiplies each column. spread (c,) : standard deviation
     expected of each number beforehand, inf where anything goes. what : name and unit of the value, if there is one.
     values : those that are tried. smooth : the columns go with the value without a jump. looks : independent values
-    that this one is the best of, where it was chosen among them and polished.
+    that this one is the best of, where it was chosen among them and polished. positive : the first number is above 0,
+    or the effect is not what its name says. viscous : it stands in place of the joint's viscous friction.
     """
 
     name: str
@@ -81,6 +83,8 @@ class Candidate:
     values: tuple[float, ...] = (0.0,)
     smooth: bool = True
     looks: float = 1.0
+    positive: bool = False
+    viscous: bool = False
 
     @property
     def key(self) -> tuple[str, int | None]:
@@ -110,6 +114,8 @@ _STEP = 1e-3
 """Share of a value by which it is moved to see what it changes."""
 _SPEEDS = 10
 """Stribeck speeds that are tried."""
+_EXPONENTS = np.linspace(power_law_damping.TERM.parameters[1].lower, power_law_damping.TERM.parameters[1].upper, 7)
+"""Powers of the speed that are tried."""
 _NOTHING = 1e-9
 """N m or N: a range of gravity below it is rounding."""
 
@@ -140,7 +146,8 @@ def fall_with_speed(name: str, filtered: Filtered, joint: int, speeds: FloatArra
     def fallen(v_s: float) -> FloatArray:
         return filtered.column((sign * np.exp(-((v / v_s) ** 2)))[:, None], jumps=True)
 
-    return of_friction(name, joint, (("f_s - f_c", "N m"),), fallen, ("v_s", "rad/s"), speeds)
+    found = of_friction(name, joint, (("f_s - f_c", "N m"),), fallen, ("v_s", "rad/s"), speeds)
+    return replace(found, positive=True)
 
 
 def friction_candidates(filtered: Filtered, joint: int, gravity: FloatArray, kept: BoolArray) -> Iterator[Candidate]:
@@ -158,7 +165,13 @@ def friction_candidates(filtered: Filtered, joint: int, gravity: FloatArray, kep
     if np.ptp(gravity) > _NOTHING:
         yield one(LOAD, "share of load", "1", sign * np.abs(gravity), jumps=True)
     yield one(ASYMMETRIC, "half difference", "N m s/rad", np.abs(v))
-    yield one(QUADRATIC, "c_2", "N m s^2/rad^2", v * np.abs(v))
+    yield replace(one(QUADRATIC, "c_2", "N m s^2/rad^2", v * np.abs(v)), positive=True)
+
+    def power(exponent: float) -> FloatArray:
+        return filtered.column((sign * np.abs(v) ** exponent)[:, None])
+
+    of_power = of_friction(POWER, joint, (("c_p", "N m (s/rad)^p"),), power, ("exponent", "1"), _EXPONENTS)
+    yield replace(of_power, positive=True, viscous=True)
     rising = filtered.column(np.stack((sign * time, v * time), axis=1), jumps=True)
     yield of_friction(DRIFT, joint, (("rise of Coulomb", "N m"), ("rise of viscous", "N m s/rad")), rising)
     span = float(np.ptp(filtered.q[:, dof]))

@@ -22,6 +22,7 @@ from harness.robot.whole_arm.columns import (
     LOAD,
     MOTOR,
     POSITION,
+    POWER,
     QUADRATIC,
     SENSOR,
     STRIBECK,
@@ -36,7 +37,7 @@ from harness.robot.whole_arm.rules import BODY_SPREAD, SAID_BETTER
 from harness.robot.whole_arm.search import BLOCK, Problem, held_out, rms
 
 RIGID = "inertial numbers of all bodies"
-_OF_SPEED = (STRIBECK, ASYMMETRIC, QUADRATIC)
+_OF_SPEED = (STRIBECK, ASYMMETRIC, QUADRATIC, POWER)
 _OF_BODIES = (INERTIA, MOTOR, ARMATURE, SENSOR)
 _BESIDE = (LOAD, POSITION, DRIFT)
 

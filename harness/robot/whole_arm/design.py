@@ -174,7 +174,16 @@ class Part:
         """Guarded samples of columns (m, ...), whitened."""
         return self.noise.whitened(columns, self.stretches)
 
+    def expected(self, other_viscous: bool) -> FloatArray:
+        """The spread (p,) of the base's numbers; other_viscous : another law is viscous friction, none is beside."""
+        found = self.spread.copy()
+        if other_viscous:
+            found[1] = _NONE
+        return found
 
+
+_NONE = 1e-9
+"""N m s/rad that is as good as none."""
 Parts = Mapping[int, Part]
 """By joint."""
 
@@ -263,7 +272,8 @@ class Design:
         ends = np.cumsum([0, *(int(np.sum(part.stretches.kept)) for part in parts.values())]).tolist()
         self.at = {j: slice(*both) for j, both in zip(parts, pairwise(ends), strict=True)}
         rows = ends[-1]
-        blocks = [({j: part.white(part.base)}, part.spread) for j, part in parts.items()]
+        other = {one.candidate.joint for one in self.named if one.candidate.viscous}
+        blocks = [({j: part.white(part.base)}, part.expected(j in other)) for j, part in parts.items()]
         blocks += [(one.columns, one.candidate.spread) for one in self.named]
         lasts = np.cumsum([0, *(spread.size for _, spread in blocks)]).tolist()
         places = [slice(*both) for both in pairwise(lasts)]
@@ -343,7 +353,7 @@ class Design:
         gain, best = 0.0, 0
         spread = whitened.candidate.spread
         for first, block in whitened.blocks():
-            gains = self._gains(block, spread)
+            gains = self._gains(block, spread, whitened.candidate.positive)
             most = int(np.argmax(gains))
             if gains[most] > gain:
                 gain, best = float(gains[most]), first + most
@@ -362,8 +372,8 @@ class Design:
         gain /= max(1.0, self._forgotten(added, self.residual - added))
         return Named(whitened, best, gain, evidence(gain, count, whitened.looks))
 
-    def _gains(self, block: dict[int, FloatArray], spread: FloatArray) -> FloatArray:
-        """What each of a block's settings (s,) would gain."""
+    def _gains(self, block: dict[int, FloatArray], spread: FloatArray, positive: bool) -> FloatArray:
+        """What each of a block's settings (s,) would gain; positive : nothing where its first number is not above 0."""
         settings = next(iter(block.values())).shape[1]
         normal = np.zeros((settings, spread.size, spread.size)) + np.diag(1.0 / spread**2)
         pull = np.zeros((settings, spread.size))
@@ -377,4 +387,7 @@ class Design:
         after = np.einsum("scc->sc", normal)
         inverse = np.linalg.pinv(normal, rcond=_FLAT, hermitian=True)
         gains = np.einsum("sc,scd,sd->s", pull, inverse, pull)
-        return np.asarray(gains * np.all(after > _FLAT * before, axis=1))
+        told = np.all(after > _FLAT * before, axis=1)
+        if positive:
+            told &= np.einsum("scd,sd->sc", inverse, pull)[:, 0] > 0.0
+        return np.asarray(gains * told)

@@ -250,6 +250,7 @@ def _sized(design: Design) -> bool:
     """Whether the numbers of every candidate are of a size that its name can have; a later one may make one grow."""
     return all(
         bool(np.all(np.abs(design.numbers[place]) <= SIZE.value * one.candidate.spread))
+        and (not one.candidate.positive or float(design.numbers[place][0]) > 0.0)
         for one, place in zip(design.named, design.places, strict=True)
     )
 
@@ -263,6 +264,11 @@ def _driving(design: Design) -> int:
 def polished(parts: Parts, others: Sequence[Named], named: Named) -> tuple[Named, Design]:
     """A candidate with what is not linear in it brought to its best value, and the model that has it."""
     design, candidate = Design(parts, [*others, named]), named.candidate
+    if candidate.viscous:
+        # chosen beside viscous friction, which is gone once it is in
+        every = [Design(parts, [*others, replace(named, setting=i)]) for i in range(len(candidate.values))]
+        design = min(every, key=lambda one: float(one.residual @ one.residual))
+        named = design.named[-1]
     if candidate.what is None or not candidate.smooth:
         return named, design
     value, grid = named.value, candidate.values
