@@ -19,6 +19,8 @@ UNSEEN_S = 60.0
 EVERY_S = 10.0
 """Between two lines there."""
 COMPILING = "compiling, once"
+_RECENT_S = 15.0
+"""The longest that one kernel takes on a busy machine."""
 
 
 @contextmanager
@@ -93,14 +95,15 @@ def _bar(stream: TextIO) -> Iterator[Progress]:
 
 
 class _Compiling:
-    """Whether kernels have been compiled since the work began, by whichever of its processes."""
+    """Whether kernels were compiled a moment ago, since the work began, by whichever of its processes."""
 
     def __init__(self) -> None:
         self._folder = cache_folder()
         self._began = time.time()
 
     def beside(self, line: str) -> str:
-        return f"{line} ({COMPILING})" if newest(self._folder) > self._began else line
+        last = newest(self._folder)
+        return f"{line} ({COMPILING})" if last > max(self._began, time.time() - _RECENT_S) else line
 
 
 @contextmanager

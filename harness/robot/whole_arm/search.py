@@ -120,8 +120,10 @@ def _beside_everything(part: Part, joint: int, candidates: list[Candidate]) -> P
     """A part whose noise is learnt from what all candidates together leave of its torque."""
     kept = part.stretches.kept
     columns = [part.base]
-    # what other zeros change is as good as what a load, masses and a tilt do
-    for candidate in (one for one in candidates if one.joint in (joint, None) and one.name != ZERO):
+    # what other zeros change is as good as what a load, masses and a tilt do, and what a power of the speed does is as
+    # good as what viscous friction, its fall and a drag do
+    asked = (one for one in candidates if one.joint in (joint, None) and one.name != ZERO and not one.viscous)
+    for candidate in asked:
         count = len(candidate.values)
         places = np.unique(np.linspace(0, count - 1, min(count, _SETTINGS)).round().astype(int))
         columns += [candidate.torque(candidate.values[i])[joint] for i in places]
