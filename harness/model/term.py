@@ -331,7 +331,7 @@ class Term:
     frees : key of the law whose form it frees, by one number more; freed : from where it is fitted then.
     known : where a table is known, None for a law that
     holds everywhere. told_from : what recording would tell it from another name. steps_alike : whether the steps of an
-    integrator show like it. variant : tells laws apart that share a catalogue name. order : place in the catalogue.
+    integrator show like it. variant : distinguishes laws that share a catalogue name. order : place in the catalogue.
     There is one object of each term. Raises TypeError for an entry that contradicts itself.
     """
 
