@@ -38,8 +38,7 @@ def _beside_a_curve(found: Fit, spare: float) -> LackOfFit:
     """Of speeds that were held: whether a smooth curve of any shape says more of them than the fit."""
     more = max(evidence_of_curve(found) - spare, 0.0)
     p = math.exp(-0.5 * more)
-    what = "no smooth curve of the speed says more" if p > 0.05 else "a smooth curve of the speed says more"
-    return LackOfFit(p, more, f"{what} (p = {p:.2g})")
+    return LackOfFit(p, more, f"p = {p:.2g} against a smooth curve of the speed")
 
 
 class Left(Enum):
