@@ -21,6 +21,7 @@ import click
 from click.shell_completion import shell_complete
 
 from harness.cli import commands
+from harness.cli.output import typed
 from harness.cli.remedy import whole_line
 from harness.core import __version__
 from harness.core.cores import one_thread
@@ -142,6 +143,7 @@ def run(args: Sequence[str] | None = None) -> int:
         line = list(sys.argv[1:] if args is None else args)
         if asked := os.environ.get(COMPLETION):
             return shell_complete(cli, {}, "harness", COMPLETION, asked)
+        typed(line)
         _check_names(line)
         # not cli.main, which prints an empty line of its own when it is interrupted
         with cli.make_context("harness", line or ["--help"]) as ctx:

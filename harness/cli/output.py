@@ -162,10 +162,17 @@ def say_paste(paste: "PasteResult") -> None:
         say("the page and --json have it for Isaac Lab, Newton, SDF, Genesis, Drake and a ROS 2 controller")
 
 
+_TYPED: list[str] = []
+
+
+def typed(words: Sequence[str]) -> None:
+    """Keep the command line that is being run, without the program's name."""
+    _TYPED[:] = ["harness", *words]
+
+
 def this_line() -> str:
-    """The command line as somebody would type it again; "" when the program was not started by one."""
-    is_ours = Path(sys.argv[0]).name in ("harness", "__main__.py")
-    return shlex.join(["harness", *sys.argv[1:]]) if is_ours else ""
+    """The command line as somebody would type it again; "" where none is being run."""
+    return shlex.join(_TYPED)
 
 
 def figure(value: float | None, spec: str = ".4g", after: str = "", times: float = 1.0, before: str = "") -> str:

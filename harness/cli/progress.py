@@ -51,7 +51,8 @@ def _lines(stream: TextIO) -> Iterator[Progress]:
     pace, compiling = Pace(), _Compiling()
 
     def say() -> None:
-        line = compiling.beside(pace.line())
+        compiling.look()
+        line = pace.line() + compiling.said
         if line:
             with suppress(OSError):  # a reader that is gone is no reason to fail
                 stream.write(f"harness: {visible(line)}\n")
@@ -81,29 +82,34 @@ def _bar(stream: TextIO) -> Iterator[Progress]:
 
     def tell(step: str, done: int, total: int) -> None:
         pace.tell(step, done, total)
-        bar.update(task, description=visible(compiling.beside(pace.line())), completed=done, total=total or None)
+        bar.update(task, description=visible(pace.line() + compiling.said), completed=done, total=total or None)
 
     def draw() -> None:
-        bar.update(task, description=visible(compiling.beside(pace.line())))
+        compiling.look()
+        bar.update(task, description=visible(pace.line() + compiling.said))
         bar.start()
 
-    with _after(PATIENCE_S, draw, PATIENCE_S):
-        try:
+    try:
+        with _after(PATIENCE_S, draw, PATIENCE_S):
             yield tell
-        finally:
-            bar.stop()
+    finally:
+        bar.stop()
 
 
 class _Compiling:
-    """Whether kernels were compiled a moment ago, since the work began, by whichever of its processes."""
+    """Whether kernels were compiled a moment ago, since the work began, by whichever of its processes.
+
+    said : what to add to a line, "" where none were when it last looked.
+    """
 
     def __init__(self) -> None:
         self._folder = cache_folder()
         self._began = time.time()
+        self.said = ""
 
-    def beside(self, line: str) -> str:
-        last = newest(self._folder)
-        return f"{line} ({COMPILING})" if last > max(self._began, time.time() - _RECENT_S) else line
+    def look(self) -> None:
+        recent = newest(self._folder) > max(self._began, time.time() - _RECENT_S)
+        self.said = f" ({COMPILING})" if recent else ""
 
 
 @contextmanager

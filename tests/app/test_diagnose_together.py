@@ -57,7 +57,7 @@ def _heavier(result: DiagnosisResult, files: list[Path], by: float, errors: floa
     what, value, _, error, *rest = said.split()
     assert what == "inertia"
     assert abs(float(value) - by) < errors * float(error) < most
-    assert " ".join(rest) == f"% above that of {files[0]}"
+    assert " ".join(rest) == f"% above that of {files[0].name}"
 
 
 @pytest.fixture(scope="module")

@@ -136,10 +136,7 @@ def test_bad_input_is_one_line_and_exit_2(line: str, message: str, capfd: pytest
     ],
 )
 @pytest.mark.usefixtures("desk")
-def test_an_error_ends_in_the_command_that_was_meant(
-    line: str, meant: str, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(sys, "argv", ["harness", *line.split()])
+def test_an_error_ends_in_the_command_that_was_meant(line: str, meant: str, capfd: pytest.CaptureFixture[str]) -> None:
     assert run(line.split()) == 2
     assert capfd.readouterr().err.endswith(f" Try: harness {meant}\n")
     words = meant.split()

@@ -28,7 +28,6 @@ def test_a_proposal_is_a_whole_command_with_the_rows_it_reads(
 ) -> None:
     path = table(tmp_path / "two axes.csv", "time,left,right", T, X, 1.1 * X)
     line = ["identify", str(path), "--skip-rows", "0", "--json", "-"]
-    monkeypatch.setattr("sys.argv", ["harness", *line])
     assert run(line) == 2
     said = capsys.readouterr().err
     proposed = re.search(r"Try: (harness .*), which reads (.*)$", said)

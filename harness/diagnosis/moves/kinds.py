@@ -55,8 +55,8 @@ class Moves:
     def refuse(self, file: str) -> None:
         """Raise InputError for what tells nothing of friction; what is driven unseen is still followed as a swing."""
         if self.wanted and self.kind is not MotionKind.DRIVEN:
-            why, _, more = self.wanted.partition(": ")
-            raise InputError(file, f"no motion that shows friction ({why}: {self.reason})", f"another: {more}")
+            found = f"no motion that shows friction ({self.kind}: {self.reason})"
+            raise InputError(file, found, f"another recording, as {self.wanted}")
 
     def part(self, recording: Recording) -> tuple[Recording, tuple[str, ...]]:
         """The largest of several decays by itself, and a sentence on the others; else the recording."""
