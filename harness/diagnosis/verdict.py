@@ -125,7 +125,8 @@ def _unsure_beside_a_curve(found: Search) -> bool:
     names, likely = key_of(found.chosen), of_search(found)
     if len(names) > 1:
         return next((one.probability for one in likely if one.names == names), 0.0) < MAIN_FROM.value
-    p, unnamed = (sum(h.probability for h in likely if h.names[:1] == one) for one in (names, (UNNAMED,)))
+    p = probability(likely, *names)
+    unnamed = sum(h.probability for h in likely if UNNAMED in h.names and names[0] not in h.names)
     return p < MAIN_FROM.value and unnamed > 1.0 - p - unnamed
 
 

@@ -1,5 +1,7 @@
 """Whether a lone law that explains a recording to its noise is the one, or one that looks like it."""
 
+import math
+
 from harness.diagnosis.baseline.words import evidence, few_words, margin_of, strokes_of, words_beside
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.rules import (
@@ -10,6 +12,7 @@ from harness.diagnosis.rules import (
     LEAST_RATIO,
     MARGIN,
     SHARE_OF_MISFIT,
+    TIMES_NEXT,
     Rule,
 )
 from harness.diagnosis.search.extend import key_of
@@ -22,15 +25,19 @@ from harness.model.terms import clock_drift
 def undecided(found: Search) -> tuple[Rule, ...]:
     """The rules by which the chosen lone law is listed and not named, none where it is named.
 
-    Another law that explains the recording as well is listed beside it. Where the zero and the spring are not known
-    before, as on a machine, a crowd of small effects can look like one law: it is then named by what names a main
-    effect, that is with enough cycles, a misfit to speak of, and no other law near.
+    Another law that explains the recording as well is listed beside it; of a table of held speeds, where a law has no
+    phase to err in, one that is not so many times less likely as beside a main effect. Where the zero and the spring
+    are not known before, as on a machine, a crowd of small effects can look like one law: it is then named by what
+    names a main effect, that is with enough cycles, a misfit to speak of, and no other law near.
     """
     if not _lone(found):
         return ()
     if any(f.bic < found.chosen.bic + DECISIVE.value for f in _others(found) if key_of(f) == (clock_drift.TERM.name,)):
         # nothing but the size of one channel parts the two, and whose clock it is, is not known
         return (CLOCK_DRIFT,)
+    if not found.problem.moves:
+        margin = 2.0 * math.log(TIMES_NEXT.value)
+        return (TIMES_NEXT,) if any(f.bic < found.chosen.bic + margin for f in _others(found)) else ()
     if not found.problem.zero_free:
         return (EVEN,) if any(f.bic < found.chosen.bic + EVEN.value for f in _others(found)) else ()
     taken = 1.0 - found.chosen.chi2 / found.base.chi2

@@ -25,21 +25,28 @@ from harness.model.terms import (
 )
 
 
-def law_smooth(v: float, a: float, level: float, theta: FloatArray, o: int, out: FloatArray) -> None:
-    """f_k ((1 - s) tanh u + s u/sqrt(1 + u^2)), u = (v + lead a0)/v_r, a0 the acceleration without friction."""
-    v_r, lead, s = theta[o], theta[o + 1], theta[o + 2]
-    u = (v + lead * a) / v_r
+@lean
+def saturated(u: float, s: float) -> tuple[float, float, float]:
+    """(1 - s) tanh u + s u/sqrt(1 + u^2), its slope by u and its partial by s."""
     soft, root = math.tanh(u), math.sqrt(1.0 + u * u)
     round_ = u / root
-    ratio = (1.0 - s) * soft + s * round_
-    slope = level * ((1.0 - s) * (1.0 - soft * soft) + s / (root * root * root))
+    slope = (1.0 - s) * (1.0 - soft * soft) + s / (root * root * root)
+    return (1.0 - s) * soft + s * round_, slope, round_ - soft
+
+
+def law_smooth(v: float, a: float, level: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """f_k ((1 - s) tanh u + s u/sqrt(1 + u^2)), u = (v + lead a0)/v_r, a0 the acceleration without friction."""
+    v_r, lead = theta[o], theta[o + 1]
+    u = (v + lead * a) / v_r
+    ratio, steep, by_s = saturated(u, theta[o + 2])
+    slope = level * steep
     out[VALUE] = level * ratio
     out[D_V] = slope / v_r
     out[D_FREE] = slope * lead / v_r
     out[D_LEVEL] = ratio
     out[D_PARAMETER] = -slope * u / v_r
     out[D_PARAMETER + 1] = slope * a / v_r
-    out[D_PARAMETER + 2] = level * (round_ - soft)
+    out[D_PARAMETER + 2] = level * by_s
 
 
 def law_stribeck(v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
@@ -89,6 +96,18 @@ def law_saturating(x: float, v: float, theta: FloatArray, o: int, out: FloatArra
         out[D_PARAMETER] = v * grown
         out[D_PARAMETER + 1] = 0.5 * c_p * v * grown * math.log(s2)
         out[D_PARAMETER + 2] = c_p * v * grown * (p - 1.0) * v_0 / s2
+
+
+def law_knee(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """c_p ((1 - s) tanh u + s u/sqrt(1 + u^2)), u = v/v_0: in proportion to v below v_0, level above it."""
+    c_p, s, v_0 = theta[o], theta[o + 1], theta[o + 2]
+    u = v / v_0
+    ratio, slope, by_s = saturated(u, s)
+    out[VALUE] = c_p * ratio
+    out[D_V] = c_p * slope / v_0
+    out[D_PARAMETER] = ratio
+    out[D_PARAMETER + 1] = c_p * by_s
+    out[D_PARAMETER + 2] = -c_p * slope * u / v_0
 
 
 @lean
@@ -209,7 +228,7 @@ def _falls_with_tail(values: Probe, k: float) -> Mapping[str, str]:
     return {"form": "a Lorentzian" if values[2] > _LORENTZIAN else "a Gaussian"}
 
 
-_GAUSSIAN, _LORENTZIAN, _SATURATED, _KNEE = 1.5, 0.5, 0.1, 0.15
+_GAUSSIAN, _LORENTZIAN, _TANH, _SATURATED, _KNEE = 1.5, 0.5, 0.5, 0.1, 0.15
 """Shapes from which a form has its name, and share of the fastest speed from which damping saturates."""
 
 
@@ -220,6 +239,15 @@ def _grows_as(values: Probe, k: float) -> Mapping[str, str]:
 def _damps(values: Probe, extent: Extent) -> bool:
     """What saturates close to rest is dry friction that is smoothed."""
     return values[1] >= _SATURATED or values[2] >= _KNEE * extent.speed
+
+
+def _bends_as(values: Probe, k: float) -> Mapping[str, str]:
+    return {"form": "as tanh" if values[1] < _TANH else "as v/sqrt(v^2 + v_0^2)"}
+
+
+def _bends(values: Probe, extent: Extent) -> bool:
+    """What saturates close to rest is dry friction that is smoothed."""
+    return values[2] >= _KNEE * extent.speed
 
 
 def _slowing(values: Probe, span: float, speed: float) -> list[Probe]:
@@ -256,6 +284,13 @@ SATURATING = _of(
     example=(0.8, 0.3, 0.2), words=_grows_as, as_named=_damps,
     parameters=(power_law_damping.TERM.parameters[0], Parameter("exponent", "1", 0.0, 0.8)),
     sentence="Damping {form} a speed v_0: c_p = {c_p}, exponent = {exponent}",
+)  # fmt: skip
+KNEE = _of(
+    power_law_damping.TERM, law_knee, Parameter("v_0", "m/s", 0.0, positive=True),
+    lambda values, span, speed: [(values[0] * speed ** values[1], s, 0.3 * speed) for s in (0.0, 1.0)],
+    example=(0.8, 0.3, 0.2), words=_bends_as, as_named=_bends, variant="free-knee",
+    parameters=(Parameter("c_p", "N", 0.0, none=0.0), Parameter("roundness", "1", -1.0, 3.0)),
+    sentence="Damping saturates above a speed v_0, {form}: c_p = {c_p}",
 )  # fmt: skip
 DRAG = _of(
     quadratic_drag.TERM, law_drag, Parameter("exponent", "1", 1.2, 5.0), _from(2.0), example=(0.2, 2.6),
