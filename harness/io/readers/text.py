@@ -258,7 +258,8 @@ def _single_blanks(data: bytes | bytearray) -> bytes:
 
 def _settings(above: str) -> dict[str, float]:
     """What stands above the numbers as a line of names over a line of one number each; {} where nothing does."""
-    lines = [re.split(r"\s*[,;\t]\s*", line.strip(" #%\r")) for line in above.split("\n") if line.strip()]
+    rows = (re.split(r"[,;\t]", line.strip(" #%\r")) for line in above.split("\n") if line.strip())
+    lines = [[cell.strip() for cell in row] for row in rows]
     for names, cells in pairwise(lines):
         if len(names) == len(cells) > 1 and is_row(cells) and not any(NUMBER.match(name) for name in names):
             return {name: float(cell) for name, cell in zip(names, cells, strict=True) if cell}
