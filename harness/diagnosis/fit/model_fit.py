@@ -123,6 +123,11 @@ class Fit:
         squares = self.chi2 + spare * self.residual.size
         return independent * math.log(squares) + len(self.free) * math.log(independent)
 
+    def spare_within(self, independent: float, most: float) -> float:
+        """The ``spare`` with which ``bic_of`` comes to ``most``."""
+        squares = math.exp((most - len(self.free) * math.log(independent)) / independent)
+        return (squares - self.chi2) / self.residual.size
+
     @property
     def as_named(self) -> bool:
         """Whether the numbers of every term, in this motion, are what its name says."""

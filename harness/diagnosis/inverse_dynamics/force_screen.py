@@ -67,8 +67,8 @@ def whole_in(model: Model, measured: Measured) -> bool:
 
 
 def starts(found: Fit, problem: InverseDynamics, scales: Scales) -> list[Model]:
-    """The model with one more law each, at its best probes."""
+    """The model with one more law each, at its best probes; first those of which no look can tell."""
     evidence = seen_in(found, problem, scales)
     terms = [term for term in NAMED if sayable(term)]
-    looked = (*screen(found, problem, evidence, scales, terms), *direct(found, problem, evidence, terms))
+    looked = (*direct(found, problem, evidence, terms), *screen(found, problem, evidence, scales, terms))
     return [candidate.model for candidate in looked]

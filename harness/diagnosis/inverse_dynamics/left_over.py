@@ -9,7 +9,7 @@ search (a parametric bootstrap; Davison and Hinkley 1997, ch. 4).
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
@@ -91,18 +91,29 @@ class _Moved:
         return replace(problem, channels=channels, drive=replace(drive, u=force))
 
 
-def taken_by_chance(current: Fit, problem: Q, scales: Scales, further: Callable[[Fit, Q], list[Fit]]) -> float:
-    """Squares of force, N^2 a value, that the best of ``further`` takes off a true model: the most of some draws.
+def beyond_chance(
+    better: Sequence[tuple[Fit, float]],
+    current: Fit,
+    problem: Q,
+    scales: Scales,
+    further: Callable[[Fit, Q], Iterator[Fit]],
+) -> list[Fit]:
+    """Of fits, each with the squares of force, N^2 a value, that chance may take: those of which it takes less.
 
-    0 where the model cannot be simulated: then it says nothing of what chance does.
+    Chance takes what the best of ``further`` takes off a true model, the most of some draws. That is never more than a
+    draw leaves: one that leaves too little to decide is not searched, and no search goes on when all is decided.
+    All of them where the model cannot be simulated: then it says nothing of what chance does.
     """
-    most = 0.0
     with suppress(SimulationError):
         for before, drawn in draws(current, problem, scales, NULL_DRAWS.count):
-            after = further(before, drawn)
-            if after:
-                most = max(most, (before.chi2 - min(f.chi2 for f in after)) / before.residual.size)
-    return most
+            size = before.residual.size
+            if before.chi2 / size < min(most for _, most in better):
+                continue
+            for after in further(before, drawn):
+                better = [(found, most) for found, most in better if before.chi2 - after.chi2 < size * most]
+                if not better:
+                    return []
+    return [found for found, _ in better]
 
 
 _WIDER = 4

@@ -25,7 +25,7 @@ from harness.diagnosis.fit.rmse import motion_followed
 from harness.diagnosis.fit.standard_errors import unit_of
 from harness.diagnosis.inverse_dynamics.force_screen import starts, whole_in
 from harness.diagnosis.inverse_dynamics.grade import ForceGraded, graded_by
-from harness.diagnosis.inverse_dynamics.left_over import LeftOver, left_over, taken_by_chance
+from harness.diagnosis.inverse_dynamics.left_over import LeftOver, beyond_chance, left_over
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.parameters import base_of, free_of
 from harness.diagnosis.problem import Problem
@@ -123,7 +123,7 @@ def _grown(
 ) -> tuple[Fit, list[Fit], list[Fit], list[Fit]]:
     """The model that the search comes to, one law more at a time; single laws, the last step's rivals, and the path."""
     chosen, singles, rivals, path = ground, [ground], [ground], [base, *([] if ground is base else [ground])]
-    further = partial(extended, scales=scales, thorough=False)
+    further = partial(with_one_more, scales=scales, thorough=False)
     least = min(MOVES.value, _followed(base, problem, scales))
     for _ in range(MOST_FORCE_TERMS.count):
         found = extended(chosen, problem, scales)
@@ -138,8 +138,8 @@ def _grown(
         if judge is not None:
             better = [f for f in better if judge.confirms(chosen.model, f.model)]
         elif better:
-            chance = taken_by_chance(chosen, problem, scales, further)
-            better = [f for f in better if f.bic_of(independent, chance) < most]
+            allowed = [(f, f.spare_within(independent, most)) for f in better]
+            better = beyond_chance(allowed, chosen, problem, scales, further)
         # what moves otherwise or cannot be followed is no model of the motion, however well it says the force
         kept = next((f for f in better if _moves(f, least, problem, scales)), None)
         if kept is None:
@@ -206,22 +206,27 @@ def _refitted(found: Fit, problem: InverseDynamics, scales: Scales) -> Iterator[
             yield None
 
 
-def extended(current: Fit, problem: InverseDynamics, scales: Scales, thorough: bool = True) -> list[Fit]:
-    """Fits with one more law, the best of each, best first by evidence. thorough : see ``fit``."""
+def extended(current: Fit, problem: InverseDynamics, scales: Scales) -> list[Fit]:
+    """Fits with one more law, the best of each, best first by evidence."""
     best: dict[str, Fit] = {}
-    base = base_of(current.free)
-    for model in starts(current, problem, scales):
-        try:
-            found = fit(model, problem, free_of(model, base), scales, thorough=thorough)
-        except SimulationError:
-            continue
-        key = model.terms[-1].term.key
-        if whole_in(found.model, problem.measured) and (key not in best or found.chi2 < best[key].chi2):
+    for found in with_one_more(current, problem, scales, thorough=True):
+        key = found.model.terms[-1].term.key
+        if key not in best or found.chi2 < best[key].chi2:
             best[key] = found
     if not best:
         return []
     independent = min(best.values(), key=lambda f: f.chi2).memory.independent
     return sorted(best.values(), key=lambda f: f.bic_of(independent))
+
+
+def with_one_more(current: Fit, problem: InverseDynamics, scales: Scales, thorough: bool) -> Iterator[Fit]:
+    """Fits with one more law, each from its best probes. thorough : see ``fit``."""
+    base = base_of(current.free)
+    for model in starts(current, problem, scales):
+        with suppress(SimulationError):
+            found = fit(model, problem, free_of(model, base), scales, thorough=thorough)
+            if whole_in(found.model, problem.measured):
+                yield found
 
 
 def left_said(problem: Problem, drive: Drive, independent: int, over: LeftOver) -> str:
