@@ -135,6 +135,7 @@ class Recording:
             {name: values[keep] for name, values in self.covariates.items()},
             self.columns,
             self.mended,
+            self.steady,
         )
 
 

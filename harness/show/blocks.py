@@ -81,7 +81,8 @@ class Figure:
 
     name : unique among them. traces, layout : plotly's; NumPy arrays may stand for lists. caption : a sentence below.
     group : figures of one group zoom together along x. height : pixels. around : times, s, at which no sample of a
-    curve is left out however many it has. Colours may be "ink", "muted" or "rule": the page's own, in light and dark.
+    curve is left out however many it has. least : pixels of its width, below which its place scrolls. Colours may be
+    "ink", "muted" or "rule": the page's own, in light and dark.
     """
 
     name: str
@@ -91,6 +92,7 @@ class Figure:
     group: str = ""
     height: int = 340
     around: FloatArray = field(default_factory=lambda: np.empty(0))
+    least: int = 0
 
 
 @dataclass(frozen=True, slots=True)

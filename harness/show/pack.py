@@ -155,6 +155,7 @@ def pack_recording(recording: Recording) -> bytes:
         "sha256": recording.sha256,
         "units": dict(recording.units),
         "angular": recording.angular,
+        "steady": recording.steady,
         "notes": list(recording.notes),
         "extra": dict(recording.extra),
     }
@@ -172,4 +173,5 @@ def recording_of(columns: Mapping[str, FloatArray], about: Mapping[str, Any]) ->
         about["angular"],
         tuple(about["notes"]),
         about["extra"],
+        steady=about.get("steady", False),  # traces of before it was told
     )

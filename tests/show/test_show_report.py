@@ -181,6 +181,32 @@ if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
 
+def test_what_is_too_wide_for_its_place_is_whole_there(browser: "Browser", tmp_path: Path) -> None:
+    many = [b.Column(f"heading {i}", str, "mm") for i in range(12)]
+    table = b.Table("case", many, [b.Row(f"row {i}", [b.Cell("0.1234", ("± 0.0012",))] * 12) for i in range(2)])
+    long = b.Table("case", [b.Column("said", str)], [b.Row("one", [b.Cell("a long sentence " * 9)])] * 2)
+    names = ["single effects named or not ruled out", "controls that were claimed, of those held out for this"]
+    shares = [{"type": "scatter", "mode": "markers", "x": [10.0, 90.0], "y": names, "showlegend": False}]
+    lines = [{"type": "scatter", "x": [0.0, 1.0], "y": [i, 1.0], "name": f"engine {i}, " + "x " * 25} for i in range(9)]
+    category = {"xaxis": {"title": {"text": "part of the mean square mismatch / %"}}, "yaxis": {"type": "category"}}
+    plots: list[b.Block] = [Figure("shares", shares, category), Figure("lines", lines, {"xaxis": {}, "yaxis": {}})]
+    sections = [b.Section("All", [b.Folded("table", [table]), long, b.Code("harness " + "x" * 200), *plots])]
+    write_report(tmp_path / "page.html", b.Page("Wide", "", sections))
+    beyond = """() => [...document.querySelectorAll(".scroll, pre")]
+        .filter((one) => one.scrollWidth > one.clientWidth + 1).length
+        + [...document.querySelectorAll(".plot")].flatMap((plot) => [...plot.querySelectorAll("svg text")]
+        .map((text) => [text.getBoundingClientRect(), plot.getBoundingClientRect()])
+        .filter(([text, plot]) => text.right > plot.right + 1 || text.left < plot.left - 1)).length"""
+    for width in (400, 1280):
+        page, said = open_page(browser, tmp_path / "page.html", width=width)
+        page.click("summary")
+        page.wait_for_timeout(100)
+        assert page.evaluate(beyond) == 0, width
+        assert (page.locator("td").first.get_attribute("data-head") == "heading 0 mm") == (width == 400)
+        assert said == []
+        page.close()
+
+
 @pytest.fixture(scope="module")
 def drawn_run(tmp_path_factory: pytest.TempPathFactory, sources: list[Trajectory], run_result: RunResult) -> Path:
     path = tmp_path_factory.mktemp("page") / "report.html"

@@ -26,7 +26,7 @@ from harness.results.identify import IdentifyResult
 from harness.results.run import RunResult
 from harness.show import scene, screenshot
 from harness.show.blocks import Figure
-from harness.show.pack import pack, unpack
+from harness.show.pack import pack, pack_recording, recording_of, unpack
 from harness.show.plots import axes, curve, keep, position_at, position_error, reversal_times, thinned
 from harness.show.report.identify import recording_scene
 from harness.show.report.motion import run_scene
@@ -335,3 +335,11 @@ def test_no_view_of_a_run_reports_anything(trace_file: Path) -> None:
 def test_usage_is_one_line(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     assert screenshot.main(arguments) == 2
     assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_a_table_of_speeds_comes_back_as_one() -> None:
+    speed = np.linspace(0.5, 6.0, 12)
+    table = Recording(np.arange(12.0), {"v": speed, "u": 0.3 + 0.1 * speed}, "curve.csv", steady=True)
+    columns, about = unpack(pack_recording(table))
+    back = recording_of(columns, about)
+    assert (back.steady, back.cut(speed > 1.0).steady, len(back)) == (True, True, 12)

@@ -58,7 +58,7 @@ _ENOUGH = 2
 _NO_SPRING = 1e3
 """Standard errors of a stiffness, in itself, beyond which nothing of a spring was seen."""
 _SPRING_NOT_SEEN = "the recording shows no spring: --restoring none leaves it out"
-_FEW_SWINGS = "too few swings to tell how far off it is beside what the model leaves"
+_TOO_LITTLE = "the residual is no noise, and too little was recorded to tell how far off this is"
 
 
 def inflation(found: Fit) -> float:
@@ -83,7 +83,7 @@ def _quantity(value: float, variances: Sequence[float], unit: str, bound: str | 
     return (
         Quantity(value, math.sqrt(largest), unit)
         if math.isfinite(largest)
-        else Quantity(value, None, unit, _FEW_SWINGS)
+        else Quantity(value, None, unit, _TOO_LITTLE)
     )
 
 

@@ -282,7 +282,7 @@ def _slope(one: tuple[str, RepeatedResult], name: str) -> b.Cell:
 def _units(result: DiagnosisResult) -> dict[str, str]:
     """Unit of a rmse by channel."""
     angular = any("rad" in p.unit for name, p in result.baseline.parameters.items() if name != "omega_n")
-    return {"x": "rad", "v": "rad/s", "a": "rad/s²"} if angular else {"x": "m", "v": "m/s", "a": "m/s²"}
+    return dict(zip("xvau", ("rad", "rad/s", "rad/s²", "N m") if angular else ("m", "m/s", "m/s²", "N"), strict=True))
 
 
 _SYMBOLS = {"omega_n": "ωₙ", "zeta": "ζ", "x_k": "xₖ", "f_k": "fₖ", "f_s": "fₛ", "v_s": "vₛ"}

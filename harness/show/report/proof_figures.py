@@ -100,7 +100,7 @@ def confusion(counts: Mapping[str, Mapping[str, int]], order: Sequence[str]) -> 
         "saying that it cannot tell is right, and so is a name of the same family, here in red none the less."
     )
     traces = [heat(True, GOOD), heat(False, BAD)]
-    figure = Figure("confusion", traces, layout, caption, height=190 + 21 * len(rows))
+    figure = Figure("confusion", traces, layout, caption, height=190 + 21 * len(rows), least=230 + 24 * len(columns))
     return Section("What was hidden, what was said", [figure])
 
 

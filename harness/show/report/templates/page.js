@@ -44,10 +44,10 @@
       styled[name] = { ...axis, ...(layout[name] || {}) };
     // planes side by side stand one above the other where they would be too narrow to read
     const beside = Object.keys(layout).filter((key) => /^xaxis\d*$/.test(key) && layout[key].domain), n = beside.length;
-    const stacked = n > 1 && element(spec).clientWidth < NARROW;
-    const place = element(spec);
+    const place = element(spec), stacked = n > 1 && narrow(spec);
     place.dataset.height ??= parseFloat(place.style.height);
     if (stacked) place.style.height = `${place.dataset.height * 0.75 * n}px`;
+    else if (narrow(spec)) place.style.height = `${Number(place.dataset.height) + broken(spec, styled)}px`;
     if (stacked) beside.forEach((name, i) => {
       const up = name.replace("x", "y"), top = 1 - i / n;
       styled[name] = { ...styled[name], domain: [0, 1], anchor: up.replace("axis", ""), title: i < n - 1 ? "" : styled[name].title };
@@ -56,6 +56,29 @@
     });
     return styled;
   }
+
+  // text in lines of at most so many characters, broken at spaces
+  const lines = (text, most) => text.split(" ").reduce((said, word) => {
+    const last = said.length - 1;
+    if (last >= 0 && said[last].length + word.length < most) said[last] += ` ${word}`; else said.push(word);
+    return said;
+  }, []).join("<br>");
+
+  // a folded plot has no width yet
+  const narrow = (spec) => (element(spec).clientWidth || document.querySelector("main").clientWidth) < NARROW;
+
+  // titles and names of categories in several lines; returns the pixels that they and the legend take besides
+  function broken(spec, styled) {
+    const named = new Set(spec.traces.flatMap((trace) => Array.isArray(trace.y) && typeof trace.y[0] === "string" ? trace.y : []));
+    const title = styled.xaxis.title && styled.xaxis.title.text;
+    if (title) styled.xaxis = { ...styled.xaxis, title: { ...styled.xaxis.title, text: lines(title, named.size ? 22 : 40) } };
+    const said = [...named].map((name) => lines(name, 22)), most = Math.max(1, ...said.map((text) => text.split("<br>").length));
+    if (most > 1) styled.yaxis = { ...styled.yaxis, tickmode: "array", tickvals: [...named], ticktext: said, tickfont: { size: 11 } };
+    const entries = spec.traces.filter((trace) => trace.name && trace.showlegend !== false).length;
+    return 17 * Math.max(0, entries - 2) + 13 * (most - 1) * named.size;
+  }
+  const entered = (spec, traces) => narrow(spec)
+    ? traces.map((trace) => trace.name ? { ...trace, name: lines(trace.name, 36) } : trace) : traces;
 
   // nothing of a page leaves it
   const config = {
@@ -74,8 +97,23 @@
   // what is folded on the screen is printed
   window.addEventListener("beforeprint", () => document.querySelectorAll("details").forEach((one) => { one.open = true; }));
 
+  // a table that is wider than its place has each row as a block of named values
+  const fitted = (one) => one.querySelectorAll(".scroll").forEach((place) => {
+    const table = place.firstElementChild;
+    table.classList.remove("stacked");
+    if (!place.clientWidth || table.offsetWidth <= place.clientWidth + 1) return;
+    const heads = [...table.tHead.rows[0].cells].map((head) => head.textContent);
+    for (const row of table.tBodies[0].rows) [...row.cells].forEach((cell, i) => { cell.dataset.head = heads[i]; });
+    table.classList.add("stacked");
+  });
+  window.addEventListener("resize", () => fitted(document));
+  fitted(document);
+
   // a plot is as wide as its place, which has no width while it is folded
-  const wide = (one) => one.querySelectorAll(".plot").forEach((plot) => { if (plot.dataset.drawn) Plotly.Plots.resize(plot); });
+  const wide = (one) => {
+    fitted(one);
+    one.querySelectorAll(".plot").forEach((plot) => { if (plot.dataset.drawn) Plotly.Plots.resize(plot); });
+  };
   document.querySelectorAll("details").forEach((one) => one.addEventListener("toggle", () => { if (one.open) wide(one); }));
 
   // y range of what is visible between low and high, and whether single samples can be told apart
@@ -150,14 +188,14 @@
     for (const spec of figures) {
       const plot = element(spec);
       if (first) {
-        await Plotly.newPlot(plot, resolve(spec.traces, colors), full(spec, colors), config);
+        await Plotly.newPlot(plot, entered(spec, resolve(spec.traces, colors)), full(spec, colors), config);
         watch(spec);
         plot.dataset.drawn = "true";
       } else {
         const kept = { x: plot.layout.xaxis, y: plot.layout.yaxis }, layout = full(spec, colors);
         for (const [name, axis] of [["xaxis", kept.x], ["yaxis", kept.y]])
           if (axis && !axis.autorange) layout[name] = { ...layout[name], range: axis.range, autorange: false };
-        await Plotly.react(plot, resolve(spec.traces, colors), layout, config);
+        await Plotly.react(plot, entered(spec, resolve(spec.traces, colors)), layout, config);
       }
     }
     root.dataset.ready = "true";
