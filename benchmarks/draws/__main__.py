@@ -1,15 +1,15 @@
 """``python -m benchmarks.draws KIND --draws N --seed S``: fresh draws, how many answers are right, which are not.
 
-KIND: pairs (two effects that hide in a free decay), sensor-pairs (one of them a sensor's), path:NAME (a way of the
-proof on all ways: effects in other forms, and none), simulations (a right simulation by MuJoCo beside a recording),
-wrong-simulations (one parameter of it is wrong), FAULT:COMMAND (a recording at rest, or with a fault that is to be
-told, by each command), whole (recordings against which nothing is to be said), faster (a simulation whose frequency is
-off), drifting-clock, misfit (identify of a hidden law), undamped (identify of nearly no damping), layouts (files of
-loggers), goals (a commanded position in one), still (an axis at rest most of the time, slowly and irregularly sampled),
-wrapped (an angle within a turn), loads (an arm that carries a load unsaid), motions (of ten kinds), run-downs (an
-effect hidden in one), run-down-controls (none), run-downs-both-ways (a push, or none), slips (a robot's joint that
-sticks), pastes (what is pasted of one that swings), and files of engines by name (cap-rk4 and others: a joint of a file
-as it is).
+KIND: pairs (two effects that hide in a free decay), sensor-pairs (one of them a sensor's), sensor-shapes (a curved
+scale or gravity, in a free decay), bench (one effect, or none), path:NAME (a way of the proof on all ways: effects in
+other forms, and none), simulations (a right simulation by MuJoCo beside a recording), wrong-simulations (one
+parameter of it is wrong), FAULT:COMMAND (a recording at rest, or with a fault that is to be told, by each command),
+whole (recordings against which nothing is to be said), faster (a simulation whose frequency is off), drifting-clock,
+misfit (identify of a hidden law), undamped (identify of nearly no damping), layouts (files of loggers), goals (a
+commanded position in one), still (an axis at rest most of the time, slowly and irregularly sampled), wrapped (an
+angle within a turn), loads (an arm that carries a load unsaid), motions (of ten kinds), run-downs (an effect hidden
+in one), run-down-controls (none), run-downs-both-ways (a push, or none), slips (a robot's joint that sticks), pastes
+(what is pasted of one that swings), and files of engines by name (cap-rk4 and others: a joint of a file as it is).
 """
 
 import argparse
@@ -19,6 +19,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from benchmarks.draws import (
+    bench,
     engine_cases,
     faults,
     layouts,
@@ -29,6 +30,7 @@ from benchmarks.draws import (
     rates,
     robot_joints,
     run_downs,
+    shapes,
     simulations,
 )
 from benchmarks.draws.shared import Draw, interval
@@ -36,6 +38,8 @@ from benchmarks.draws.shared import Draw, interval
 KINDS: dict[str, Draw] = {
     "pairs": partial(pairs.answer, sensor=False),
     "sensor-pairs": partial(pairs.answer, sensor=True),
+    "sensor-shapes": shapes.answer,
+    "bench": bench.answer,
     "simulations": partial(simulations.answer, wrong=False),
     "wrong-simulations": partial(simulations.answer, wrong=True),
     "whole": faults.whole,

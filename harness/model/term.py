@@ -121,15 +121,21 @@ Implied: TypeAlias = Callable[[tuple[float, ...], History], States]
 
 @dataclass(frozen=True, slots=True)
 class Shown:
-    """A channel behind a sensor, y (n,); by_y (n,) : its partial by what came in. by : partials (n,) by parameters."""
+    """A channel behind a sensor, y (n,); by_y (n,) : its partial by what came in. by : partials (n,) by parameters.
+
+    by_place (n,) : of an acceleration, its partial by the place.
+    """
 
     y: FloatArray
     by_y: FloatArray
     by: tuple[FloatArray, ...]
+    by_place: FloatArray | float = 0.0
 
 
 Read: TypeAlias = Callable[[tuple[float, ...], FloatArray, FloatArray, FloatArray], Shown]
-"""From the values of a term's parameters, times t (n,), the channel (n,) and its rate (n,), zeros for a."""
+"""From the values of a term's parameters, times t (n,), the channel (n,) and what goes with it (n,): with x its rate,
+with a the place, m; places from where the restoring force is nil.
+"""
 
 
 @dataclass(frozen=True, slots=True)

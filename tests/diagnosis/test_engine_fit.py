@@ -77,6 +77,8 @@ def test_before_its_release_a_slider_is_held() -> None:
 SENSORS = (
     ModelTerm.named("sensor-lag", lag=0.0123),
     ModelTerm.named("sensor-drift", rate=0.01),
+    ModelTerm.named("sensor-curvature", q=0.05),
+    ModelTerm.named("sensor-gravity", per_place=8.0),
     ModelTerm.named("sensor-gain", gain=0.9),
     ModelTerm.named("sensor-bias", bias=0.5),
     ModelTerm.named("sensor-clipping", limit=60.0),

@@ -7,7 +7,7 @@ A simulated motion at the times of a recording, faithful to jumps of the acceler
 """
 
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -112,12 +112,13 @@ def _reversal(v0: FloatArray, a0: FloatArray, v1: FloatArray, a1: FloatArray, h:
 @dataclass(frozen=True, slots=True)
 class Reading:
     """A channel as it is shown, y (n,); by_motion (n,) : its partial by the true value. by : partials (n,) by the
-    parameters of sensors, and by the offset of x.
+    parameters of sensors, and by the offset of x. by_place (n,) : of an acceleration, its partial by the true place.
     """
 
     y: FloatArray
     by_motion: FloatArray
     by: Mapping[By, FloatArray] = field(default_factory=dict)
+    by_place: FloatArray | float = 0.0
 
 
 def lag_of(model: Model) -> float:
@@ -131,38 +132,36 @@ def read(
 ) -> dict[str, Reading]:
     """Channels ("x", "v", "a") at times t (n,), s, as the sensors of a model show them.
 
-    true : the motion at these times. late : the same the lag of x before. x is measured from the sensor's zero.
+    true : the motion at these times. late : the same the lag of x before. x is measured from the sensor's zero; what
+    sensors do to it they do to the place from where the restoring force is nil.
     """
     shown: dict[str, Reading] = {}
     if "x" in channels:
-        shown["x"] = _through(model, "x", t, model.offset + late.x, late.v, {"offset": np.ones(t.size)})
+        place = _through(model, "x", t, late.x, late.v)
+        shown["x"] = replace(place, y=model.offset + place.y, by={**place.by, "offset": np.ones(t.size)})
     if "v" in channels:
         shown["v"] = Reading(true.v, np.ones(t.size))
     if "a" in channels:
-        shown["a"] = _through(model, "a", t, true.a, np.zeros(t.size), {})
+        shown["a"] = _through(model, "a", t, true.a, true.x)
     return shown
 
 
-def _through(
-    model: Model,
-    channel: Literal["x", "a"],
-    t: FloatArray,
-    y: FloatArray,
-    rate: FloatArray,
-    by: Mapping[By, FloatArray],
-) -> Reading:
-    """A channel through its sensors, one after another; by : partials that it comes with."""
-    by_motion = np.ones(t.size)
-    order = sorted(range(len(model.terms)), key=lambda i: model.terms[i].term.order)
-    for i in order:
+def _through(model: Model, channel: Literal["x", "a"], t: FloatArray, y: FloatArray, beside: FloatArray) -> Reading:
+    """A channel through its sensors, one after another; beside (n,) : the rate of x, the place for a."""
+    reading = Reading(y, np.ones(t.size))
+    for i in sorted(range(len(model.terms)), key=lambda i: model.terms[i].term.order):
         sensor = model.terms[i].term.sensor
         if sensor is None or sensor.channel != channel:
             continue
-        shown = sensor.read(model.terms[i].values, t, y, rate)
-        y, by_motion = shown.y, by_motion * shown.by_y
-        through = {b: partials * shown.by_y for b, partials in by.items()}
-        by = through | {(i, j): partials for j, partials in enumerate(shown.by)}
-    return Reading(y, by_motion, by)
+        shown = sensor.read(model.terms[i].values, t, reading.y, beside)
+        through = {b: partials * shown.by_y for b, partials in reading.by.items()}
+        reading = Reading(
+            shown.y,
+            reading.by_motion * shown.by_y,
+            through | {(i, j): partials for j, partials in enumerate(shown.by)},
+            reading.by_place * shown.by_y + shown.by_place,
+        )
+    return reading
 
 
 def sensed(model: Model, t: FloatArray, motion: Trajectory, channels: Collection[str]) -> dict[str, FloatArray]:

@@ -6,7 +6,7 @@ from harness.core.arrays import FloatArray
 from harness.model.term import Parameter, Probe, Sensor, Shown, Slot, Term, always
 
 
-def read(values: Probe, t: FloatArray, y: FloatArray, rate: FloatArray) -> Shown:
+def read(values: Probe, t: FloatArray, y: FloatArray, place: FloatArray) -> Shown:
     """a has the bias added."""
     return Shown(y + values[0], np.ones(t.size), (np.ones(t.size),))
 

@@ -11,7 +11,7 @@ def probes(e: Evidence) -> list[Probe]:
     return [(f * e.peak_a,) for f in (0.995, 0.97, 0.9, 0.8)]
 
 
-def read(values: Probe, t: FloatArray, y: FloatArray, rate: FloatArray) -> Shown:
+def read(values: Probe, t: FloatArray, y: FloatArray, place: FloatArray) -> Shown:
     """a saturates at the limit."""
     limit = values[0]
     within = np.abs(y) <= limit

@@ -6,7 +6,7 @@ from harness.core.arrays import FloatArray
 from harness.model.term import Parameter, Probe, Sensor, Shown, Slot, Term, always
 
 
-def read(values: Probe, t: FloatArray, y: FloatArray, rate: FloatArray) -> Shown:
+def read(values: Probe, t: FloatArray, y: FloatArray, place: FloatArray) -> Shown:
     """a is multiplied by the gain."""
     return Shown(values[0] * y, np.full(t.size, values[0]), (y,))
 
