@@ -7,6 +7,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from harness.proof.paths.score import PLAIN
+
 ROOT = Path(__file__).resolve().parents[1]
 TARGET = ROOT / "docs" / "limits.md"
 BEGIN, END = "<!-- written by python docs/limits.py: {} -->\n", "<!-- end -->"
@@ -24,6 +26,12 @@ OUTSIDE = {
 def _cases(proof: str, group: str) -> list[Mapping[str, Any]]:
     result = json.loads((ROOT / "reports" / proof / "result.json").read_text(encoding="utf-8"))
     return [case for case in result["cases"] if case["group"] == group]
+
+
+def _plain(proof: str) -> list[Mapping[str, Any]]:
+    """Of a proof on all ways what its recordings could tell, by the way."""
+    told = (case for case in _cases(proof, "path") if case["loss"] > PLAIN)
+    return [{**case, "hidden": [f"{case['setting']}: {case['hidden'][0]}"]} for case in told]
 
 
 def _rows(cases: Iterable[Mapping[str, Any]], words: Mapping[str, str]) -> list[str]:
@@ -46,6 +54,7 @@ TABLES = {
     "single effects": ("effect", _cases("proof", "single"), {}),
     "pairs": ("effects", _cases("proof", "pair"), {}),
     "outside": ("what acts", _cases("proof", "outside"), OUTSIDE),
+    "ways": ("way, effect", _plain("proof-paths"), {}),
     "machines": ("dominant effect", _cases("proof-machines", "main"), {}),
 }
 

@@ -61,7 +61,7 @@ def test_controls_of_the_published_proof_are_counted_as_it_counts_them(published
     assert 0.925 < slider.value < 0.98
 
 
-@pytest.mark.parametrize("name", ["proof", "proof-machines"])
+@pytest.mark.parametrize("name", ["proof", "proof-machines", "proof-paths"])
 def test_the_published_proof_is_accepted(name: str, published_here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(verify, "SAMPLE", 2)
     proof = published_here.with_name(name)
