@@ -264,7 +264,7 @@ def _turned(table: "Table", narrow: bool) -> "Table":
     from rich.table import Table
 
     headings, rows = _cells(table)
-    turned = Table(box=box.SIMPLE_HEAD if narrow else box.HEAVY_HEAD, show_edge=not narrow)
+    turned = Table(box=box.SIMPLE_HEAD if narrow else box.HEAVY_HEAD, show_edge=not narrow, pad_edge=not narrow)
     turned.add_column(headings[0], no_wrap=True)
     for row in rows:
         turned.add_column("\n".join(row[0].split()) if narrow else row[0], justify="right", no_wrap=True)
