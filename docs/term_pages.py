@@ -39,7 +39,7 @@ def _law(term: Term) -> Iterator[str]:
             yield f"| `{p.name}` | {p.unit} | {_range(p)} | {'-' if p.none is None else f'{p.none:g}'} |"
         yield ""
     if term.needs:
-        yield f"It is looked for in {' and '.join(NEEDS[need] for need in term.needs)}."
+        yield f"It needs {', and '.join(NEEDS[need] for need in term.needs)}."
         yield ""
 
 

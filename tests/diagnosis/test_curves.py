@@ -136,17 +136,20 @@ def test_stribeck_is_one_name_with_its_form_found(
     assert found.parameters[shape].value == pytest.approx(at, abs=4.0 * (found.parameters[shape].stderr or 0.0))
 
 
-@pytest.mark.parametrize("saturates", [np.tanh, lambda u: u / np.hypot(u, 1.0)], ids=["tanh", "root"])
+@pytest.mark.parametrize(
+    ("saturates", "roundness"), [(np.tanh, 0.0), (lambda u: u / np.hypot(u, 1.0), 1.0)], ids=["tanh", "root"]
+)
 def test_damping_that_saturates_is_a_power_of_the_speed_in_another_form(
-    saturates: Callable[[FloatArray], FloatArray],
+    saturates: Callable[[FloatArray], FloatArray], roundness: float
 ) -> None:
     v: FloatArray = np.concatenate((-np.linspace(0.1, 10.0, 30), np.linspace(0.1, 10.0, 30)))
     u = 0.5 * np.sign(v) + 2.0 * saturates(v / 2.0) + 0.002 * np.random.default_rng(3).standard_normal(v.size)
     rows = Recording(np.arange(v.size, dtype=np.float64), {"v": v, "u": u}, "forms.csv", steady=True)
     (found,) = harness.diagnose(rows, engines=()).mechanisms
     assert found.name == "power-law-damping"
-    # either form of a knee holds both: what is asked is where it lies
-    assert found.parameters["v_0"].value == pytest.approx(2.0, rel=0.1)
+    for name, truth in (("c_p", 2.0), ("v_0", 2.0), ("roundness", roundness)):
+        one = found.parameters[name]
+        assert one.value == pytest.approx(truth, abs=4.0 * (one.stderr or 0.0))
 
 
 def test_a_curve_that_is_no_law_of_the_catalogue_gets_no_name_however_short_the_table() -> None:
