@@ -9,12 +9,24 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
-from harness.io.columns import CHANNELS, Mapping, candidates, is_angle, is_commanded, meaning, parse_columns
+from harness.io.columns import (
+    CHANNELS,
+    Mapping,
+    candidates,
+    is_angle,
+    is_commanded,
+    is_rate,
+    meaning,
+    parse_columns,
+    unit_ending,
+)
 from harness.io.options import UNSAID, ReadOptions, RefusedError
 from harness.io.scoring import runs_of
 from harness.io.table import Table
-from harness.io.units import Unit, parse_unit
+from harness.io.units import RAW, STEPS, Unit, parse_unit
 
+_CURVE = 2
+"""Columns of a friction curve: a speed and the force that held it."""
 _MOST_CHOICES, _SHOWN, _LONG = 6, 8, 60
 """Readings that are tried, columns that are named at most, and characters of a name."""
 
@@ -87,13 +99,18 @@ def _others(table: Table, options: ReadOptions) -> list[dict[str, Any]]:
 
 def _by_names(table: Table, rate: float | None) -> Chosen | None:
     """The columns that the names of channels, as people write them, say; None where they leave it open, or the unit of
-    an angle.
+    an angle or of its rate, or where a sensor's own steps are no unit.
     """
     found = candidates(table.names)
     if any(len(positions) > 1 for positions in found.values()):
         return None
-    x = found.get("x", [0])[0]
-    if not table.own or (x not in table.units and is_angle(table.names[x])):
+    bare = {c: at[0] for c, at in found.items() if at[0] not in table.units}
+    if "x" in bare and is_angle(table.names[bare["x"]]):
+        return None
+    if "v" in bare and is_rate(table.names[bare["v"]]) and not unit_ending(table.names[bare["v"]], "v"):
+        return None
+    raw = any(STEPS.match(table.units[at[0]]) for at in found.values() if at[0] in table.units)
+    if not table.own or raw:
         return None
     steady = set(found) == {"v", "u"}
     if not set(found) & {"x", "v", "a"} or ("t" not in found and rate is None and not steady):
@@ -121,6 +138,9 @@ def _by_score(table: Table, options: ReadOptions) -> Chosen | None:
         found = f"{number} of {len(runs)} in {table.path}"
         raise InputError("--run", found, "a run that the file holds")
     readings = runs[number - 1] if runs else []
+    if not readings and options.rate is None:
+        held = [one for run in runs_of(table, False) for one in run if set(parse_columns(one.columns)) == {"v", "u"}]
+        readings = held if len(table.names) == _CURVE else []
     if not readings or not readings[0].clear:
         return None
     mappings = parse_columns(readings[0].columns)
@@ -140,6 +160,10 @@ def _several(table: Table, options: ReadOptions) -> Chosen:
     return Chosen({})
 
 
+_TURNING = {"x": "rad", "v": "rad/s"}
+"""Units of what turns, where nothing says one."""
+
+
 def unit_of(table: Table, mapping: Mapping, positions: list[int], constants: list[bool]) -> Unit:
     """The unit of a mapping: its own, else what the header of its one column says, in brackets or by its ending."""
     if mapping.unit is not None:
@@ -150,7 +174,7 @@ def unit_of(table: Table, mapping: Mapping, positions: list[int], constants: lis
     header = table.units.get(moving[0])
     means = meaning(table.names[moving[0]])
     if header is None and means is not None and means.channel == mapping.channel:
-        header = means.unit or ("rad" if means.angle else None)
+        header = means.unit or (_TURNING.get(mapping.channel) if means.angle else None)
     where = f"{table.path}: column {'*'.join(table.names[i] or f'#{i + 1}' for i in positions)}"
     return parse_unit(where, mapping.channel, header)
 
@@ -163,8 +187,40 @@ def quoted_of(table: Table, mapping: Mapping, header: Unit | None = None) -> str
     return factor + product + ("" if unit is None else f"[{unit}]")
 
 
-_CONVERTER = re.compile(r"(?<![a-z])(?:counts?|cts|ticks?|raw|adc|lsb|pulses?|pixels?)(?![a-z])", re.IGNORECASE)
+_CONVERTER = re.compile(r"(?<![a-z])(?:counts?|cts|ticks?|raw|adc|lsb|pulses?|pixels?|px)(?![a-z])", re.IGNORECASE)
 """In the name of a column whose numbers are no lengths yet."""
+_FEWEST_STEPS = 50
+"""Whole numbers that a column goes through, from which they are a converter's, where its unit is no small one."""
+
+
+def unscaled(table: Table, mappings: dict[str, Mapping], read: dict[str, tuple[FloatArray, Unit]]) -> list[str]:
+    """A caution for each channel that takes a sensor's own steps for a unit: by name, unit, or since they are whole."""
+    found = []
+    for channel, unit in _SI.items():
+        mapping = mappings.get(channel)
+        if mapping is None or len(mapping.names) > 1 or mapping.factor != 1.0:
+            continue
+        position = table.position(mapping.names[0])
+        values, told = read[channel]
+        counts = told.factor == 1.0 and not told.angular and _whole_steps(values)
+        if position < 0 or not (counts or RAW.match(table.units.get(position, "m")) or _is_converted(table, position)):
+            continue
+        said, shown = table.quoted(position), told.text or unit
+        turn = f", or {channel}={_TURN_OF_4096}*{said}[rad] where 4096 are a turn" if channel == "x" else ""
+        found.append(
+            f"{channel} is read as if one step of {table.headers[position][:_LONG] or said} were 1 {shown}: where it "
+            f"is a sensor's count, --columns gives its worth, as {channel}=0.001*{said}[{unit}]{turn}."
+        )
+    return found
+
+
+def _whole_steps(values: FloatArray) -> bool:
+    known = values[np.isfinite(values)]
+    return bool(known.size and np.all(known == np.round(known)) and np.ptp(known) >= _FEWEST_STEPS)
+
+
+def _is_converted(table: Table, position: int) -> bool:
+    return position not in table.units and bool(_CONVERTER.search(table.headers[position].replace("_", " ")))
 
 
 def said(table: Table, mappings: dict[str, Mapping], units: dict[str, Unit], guessed: frozenset[str]) -> str | None:
@@ -175,18 +231,19 @@ def said(table: Table, mappings: dict[str, Mapping], units: dict[str, Unit], gue
     for channel in (c for c in CHANNELS if c in mappings):
         position = table.position(mappings[channel].names[0])
         unit = units[channel].text
-        shown = unit or {"t": "s", "x": "m", "v": "m/s", "a": "m/s^2", "u": "N"}[channel]
+        shown = unit or _SI.get(channel, "s")
         why = "" if unit else " (no unit given)"
-        if not unit and channel != "t" and _CONVERTER.search(table.headers[position]):
-            why = (
-                f" (numbers of a converter: give their scale, as in {channel}=0.001*{table.quoted(position)}[{shown}])"
-            )
+        if channel == "v" and mappings[channel].unit and position not in table.units:
+            name = table.names[position]
+            why = "" if unit_ending(name, channel) or not is_rate(name) else " (no unit given: by name and size)"
         paste.append(f"{channel}={table.quoted(position)}[{shown}]")
         if channel in guessed:
             parts.append(f"{channel} from {table.headers[position][:_LONG] or table.quoted(position)} in {shown}{why}")
     return f'Read {", ".join(parts)}; to say otherwise: --columns "{",".join(paste)}".'
 
 
+_SI = {"x": "m", "v": "m/s", "a": "m/s^2", "u": "N"}
+_TURN_OF_4096 = 0.00153398
 _TURNS = {"x": "", "v": "/s", "a": "/s^2"}
 """Behind the unit of an angle."""
 

@@ -9,8 +9,13 @@ from harness.core.errors import InputError
 
 ANGLES = frozenset({"angle", "theta", "phi"})
 """Names that say an angle; without a unit they are read in rad."""
+RATES = frozenset(
+    ["gx", "gy", "gz", "wx", "wy", "wz", "gyr", "gyro", "gyroscope", "omega", "theta_dot", "thetadot", "dtheta"]
+)
+"""Names that say how fast an angle changes; without a unit they are read in rad/s."""
+_ANGULAR = ANGLES | RATES
 _NAMES: dict[str, str] = {
-    "t": "t time times stamp timestamp sec secs seconds elapsed",
+    "t": "t ts time times stamp timestamp sec secs seconds elapsed",
     "x": "x q qpos pos position displacement disp angle theta phi",
     "v": "v dq qd qvel vel velocity speed omega theta_dot thetadot dtheta gx gy gz wx wy wz gyr gyro gyroscope rpm",
     "a": "a ddq qdd qacc acc accel acceleration accelerometer alpha theta_ddot ax ay az gfx gfy gfz",
@@ -113,12 +118,12 @@ def meaning(name: str) -> Meaning | None:
     if stem in _CLOCKS:
         return Meaning("t", _CLOCKS[stem])
     if stem in _CHANNEL:
-        return Meaning(_CHANNEL[stem], _OWN.get(stem), stem in ANGLES)
+        return Meaning(_CHANNEL[stem], _OWN.get(stem), stem in _ANGULAR)
     for cut in (i for i, letter in enumerate(stem) if letter == "_"):
         front, ending = _INDEX.sub("", stem[:cut]), stem[cut + 1 :]
         channel = _CHANNEL.get(front)
         if channel is not None and ending in ENDINGS[channel]:
-            return Meaning(channel, ENDINGS[channel][ending], front in ANGLES)
+            return Meaning(channel, ENDINGS[channel][ending], front in _ANGULAR)
     return None
 
 
@@ -135,6 +140,15 @@ def word_of(name: str) -> str:
 
 
 _ANGLE = re.compile("angle|theta|winkel|ángulo|angolo|angulo|hoek|vinkel|kąt|úhel|açı|угол|角度|각도")
+
+
+_RATE = re.compile("gyro|drehrate|winkelgeschw|angular|angulaire|angolare|vinkelhast|角速度|각속도|угловая")
+
+
+def is_rate(name: str) -> bool:
+    """Whether a name says how fast an angle changes."""
+    means = meaning(name)
+    return bool(_RATE.search(name.lower())) or (means is not None and means.channel == "v" and means.angle)
 
 
 def is_angle(name: str) -> bool:

@@ -4,7 +4,9 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-DECIMAL_COMMA = re.compile(r"^[+-]?\d+,\d+([eE][+-]?\d+)?$")
+DECIMAL_COMMA = re.compile(r"^[+-]?(?:\d+|\d{1,3}(?:\.\d{3})+),\d+([eE][+-]?\d+)?$")
+_THOUSANDS = re.compile(r"^[+-]?\d{1,3}(?:,\d{3})+\.\d+$")
+"""A number that says that a comma parts thousands."""
 NUMBER = re.compile(r"^[+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?$|^nan$", re.IGNORECASE)
 
 
@@ -41,7 +43,9 @@ class Layout:
 def separator_of(lines: Sequence[str]) -> tuple[str, str]:
     """The separator and decimal mark of lines, the last of which is a row."""
     last = lines[-1]
-    commas = [cell for cell in re.split(r"[;\t\s]+", last) if DECIMAL_COMMA.match(cell)]
+    cells = re.split(r"[;\t\s]+", last)
+    pointed = any(map(_THOUSANDS.match, cells))
+    commas = [cell for cell in cells if DECIMAL_COMMA.match(cell) and not pointed]
     text = any(character.isalpha() for character in lines[0])
     if "," not in lines[0] and text and all(map(DECIMAL_COMMA.match, lines[1:])):
         # one name above each pair of digits: a single column

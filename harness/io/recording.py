@@ -13,7 +13,7 @@ from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.bounded import MOST_BYTES, check_file, check_size
 from harness.core.errors import InputError
 from harness.core.recording import CHANNELS, LARGEST, LONGEST_TIME, MINIMUM_SAMPLES, Recording
-from harness.io.choose import as_angles, chosen, products, quoted_of, said
+from harness.io.choose import as_angles, chosen, products, quoted_of, said, unscaled
 from harness.io.columns import Mapping, is_magnitude, parse_columns
 from harness.io.join import joined
 from harness.io.logs.suspicions import unsigned
@@ -60,7 +60,7 @@ def _check_rows(table: Table, channel: str, values: FloatArray, rows: IntArray) 
         where = f"{table.path}: {table.row(int(rows[bad[0]]))}, column {channel}"
         found = "no value or nan" if np.isnan(value) else f"{value:g}"
         accepted = f"at most {largest:g} in size" if np.isfinite(value) else "a finite number"
-        raise RefusedError(where, found, accepted, [{"drop_nan": True}] if np.isnan(value) else ())
+        raise RefusedError(where, found, accepted, () if np.isfinite(value) else [{"drop_nan": True}])
 
 
 def _in_order(table: Table, t: FloatArray, rows: IntArray) -> tuple[FloatArray, BoolArray, str | None]:
@@ -167,6 +167,7 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     steady = "t" not in mappings and options.rate is None
     guesses = said(table, mappings, {c: unit for c, (_, unit) in read.items()}, guessed)
     notes: list[str | None] = [guesses, *choice.notes, step, turns, _STEADY if steady else None]
+    notes += unscaled(table, mappings, read)
     named = [table.position(name) for name in options.covariates]
     beside = dict(zip(options.covariates, table.read(named) if named else (), strict=True))
     sizes = {name: values.size for name, values in (*((c, y) for c, (y, _) in read.items()), *beside.items())}
@@ -286,7 +287,8 @@ def _whole(table: Table, columns: Sequence[FloatArray], options: ReadOptions) ->
     if last < rows.size:
         mended.append(f"The last {rows.size - last} rows, without a value in these columns, are skipped.")
         rows = rows[:last]
-    whole = rows[~np.any([np.isnan(values[rows]) for values in columns], axis=0)]
+    told = np.isfinite if options.drop_nan else (lambda values: ~np.isnan(values))
+    whole = rows[np.all([told(values[rows]) for values in columns], axis=0)]
     if rows.size > whole.size and (options.drop_nan or rows.size - whole.size <= max(_MOST_LOST * rows.size, 1)):
         first, many = table.row(int(np.setdiff1d(rows, whole)[0])), rows.size - whole.size
         mended.append(f"{many} rows without a value, the first of them {first}, are skipped.")

@@ -15,7 +15,17 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
-from harness.io.columns import CHANNELS, is_angle, is_commanded, is_magnitude, marked, meaning, unit_ending, word_of
+from harness.io.columns import (
+    CHANNELS,
+    is_angle,
+    is_commanded,
+    is_magnitude,
+    is_rate,
+    marked,
+    meaning,
+    unit_ending,
+    word_of,
+)
 from harness.io.table import Table
 from harness.io.times import SCALES, clock_unit, unrolled
 from harness.io.units import RAW, is_unit_of, parse_unit
@@ -40,6 +50,8 @@ down: no swing does so."""
 _MG = 700, 1300
 """Whole numbers that all lie so far from 0 may be mg of an accelerometer that feels its weight: asked, never taken."""
 _TURN = 2.0 * np.pi
+_GYRO = 35.0
+"""rad/s, 2000 deg/s: more than gyroscopes show; larger numbers of one are deg/s."""
 _SCALED, _NUMBERS, _NAME, _UNIT = range(-1, 3)
 """By what a column's channel is told, the strongest last; a voltage or a count needs its scale first."""
 _COUNTS = {"row", "index", "idx", "sample", "frame", "count", "id", "nr", "no", "cycle", "step", "line"}
@@ -102,7 +114,7 @@ def runs_of(table: Table, timed: bool = True) -> list[list[Reading]]:
 
     timed : whether a column must give the time; there is no run where none can.
     """
-    columns = _with_gravity(_without_norms(list(_columns(table))))
+    columns = _with_turning(_with_gravity(_without_norms(list(_columns(table)))))
     unknown = [one for one in columns if not one.channel and not one.rises]
     if len(unknown) == 1 and (of_file := word_of(table.path.stem)):  # a signal in a file of its name
         columns = [replace(one, channel=of_file, told=_NAME) if one is unknown[0] else one for one in columns]
@@ -178,7 +190,9 @@ def _beside(leading: Column, channel: str, moving: Sequence[Column], t: Column |
 
     A speed without a unit that is the slope as the numbers stand has the unit of the position.
     """
-    those = [one for one in moving if one.channel == channel and one.mark == leading.mark and one.told > _SCALED]
+    those = [one for one in moving if one.channel == channel and one.told > _SCALED]
+    if len(those) > 1 or sum(one.channel == leading.channel for one in moving) > 1:  # else digits are a sensor's own
+        those = [one for one in those if one.mark == leading.mark]
     if channel != "u":
         those = [one for one in those if None in (one.angular, leading.angular) or one.angular == leading.angular]
     if len(those) > 1 and leading.axis:
@@ -186,7 +200,12 @@ def _beside(leading: Column, channel: str, moving: Sequence[Column], t: Column |
     if channel == "v" and t is not None:
         slopes = [one for one in those if _follows(t, leading, one)]
         those = slopes or those
-        if len(those) == 1 and leading.unit and not those[0].unit and _follows(t, leading, those[0], _GAIN):
+        if (
+            len(those) == 1
+            and leading.unit
+            and (not those[0].unit or those[0].told < _UNIT)
+            and _follows(t, leading, those[0], _GAIN)
+        ):
             return replace(those[0], unit=f"{leading.unit}/s", given=True)
     return those[0] if len(those) == 1 else None
 
@@ -238,6 +257,7 @@ def _columns(table: Table) -> Iterator[Column]:
         header = table.headers[i]
         try:
             values = table.columns([i])[0]
+            values = np.where(np.isinf(values), np.nan, values)
         except InputError:
             continue
         known = np.flatnonzero(np.isfinite(values))
@@ -294,6 +314,13 @@ def _with_gravity(columns: Sequence[Column]) -> list[Column]:
     rest = float(np.linalg.norm([np.nanmedian(one.values) for one in bare])) if len(bare) > 1 else 0.0
     unit = next((u for u, size in _WEIGHTS.items() if abs(rest / size - 1.0) < _WEIGHT), "")
     return [replace(one, unit=unit, told=_UNIT, given=True) if unit and one in bare else one for one in columns]
+
+
+def _with_turning(columns: Sequence[Column]) -> list[Column]:
+    """The columns; rates of turning without a unit are in deg/s where one of them is too fast for rad/s."""
+    bare = [one for one in columns if one.channel == "v" and not one.unit and is_rate(one.name)]
+    unit = "deg/s" if any(float(np.nanmax(np.abs(one.values))) > _GYRO for one in bare) else "rad/s"
+    return [replace(one, unit=unit, given=True) if one in bare else one for one in columns]
 
 
 def _by_name(name: str, unit: str | None) -> tuple[str, int, str]:

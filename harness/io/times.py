@@ -96,16 +96,28 @@ _OFF = 1.0
 """Steps of a coarse clock by which its stamps of even samples are off at most: half of one, and as much again."""
 
 
-SCALES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+SCALES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "day": _DAY}
 _SLOWEST = 2.0
 """s between samples at which nobody records a motion."""
+_CALENDARS = ((36_525.0, 73_050.0), (730_000.0, 767_000.0))
+"""Days of 2000 to 2099 as spreadsheets count them, and as MATLAB does."""
+_FINEST = 1.0 / _DAY
+"""Of which nobody records so many a second: samples of less than a second, in days."""
 
 
 def clock_unit(t: FloatArray) -> str:
-    """The unit of times (n,) that no name tells: that of whole numbers too far apart for s, "" where it may be s."""
-    if t.size < 2 or np.any(t != np.round(t)):
+    """The unit of times (n,) that no name tells: that of stamps since 1970, of days of a calendar, of whole numbers too
+    far apart for s; "" where it may be s.
+    """
+    if t.size < 2:
         return ""
     step = float(np.median(np.diff(t)))
+    if any(low <= t[0] and t[-1] < high for low, high in _CALENDARS) and 0.0 < step < _FINEST:
+        return "day"
+    if np.any(t != np.round(t)):
+        return ""
+    if since := next((unit for low, high, unit, f in _EPOCHS if low <= t[0] < high and step * f < _MINUTE), ""):
+        return since
     return next((unit for unit in ("ms", "us", "ns") if step * SCALES[unit] < _SLOWEST), "") if step >= _SLOWEST else ""
 
 
@@ -115,8 +127,11 @@ def since_first(t: FloatArray, unit: Unit) -> tuple[FloatArray, str | None]:
     unit : what the header says; where it says nothing, the size of the stamps tells, or that they are whole numbers.
     """
     first = float(t[0]) if t.size else 0.0
+    step = float(np.median(np.diff(t))) if t.size > 1 else 0.0
+    if (clock_unit(t) if not unit.text else "day" if unit.factor == _DAY else "") == "day":
+        return (t - first) * _DAY, "Times are days of a calendar: t is counted from the first."
     for low, high, name, factor in _EPOCHS:
-        told = not unit.text or np.isclose(unit.factor, factor, rtol=1e-9, atol=0.0)
+        told = step * factor < _MINUTE if not unit.text else np.isclose(unit.factor, factor, rtol=1e-9, atol=0.0)
         if told and low <= first < high:
             when = datetime.fromtimestamp(first * factor, UTC).strftime("%Y-%m-%d %H:%M:%S")
             said = f"Stamps count {name} since 1970: t is counted from the first, {when} UTC."

@@ -31,6 +31,8 @@ _USUAL_UNITS = (
     "s ms us µs ns min m mm cm km um µm rad deg ° mrad rev m/s mm/s cm/s km/h rad/s deg/s °/s rpm 1/min "
     "m/s^2 m/s² m/s2 m/s**2 mm/s² g mg rad/s^2 rad/s² deg/s^2 °/s² N mN kN Nm mNm Ncm N·m"
 )
+_WIDE = str.maketrans("（）［］【】", "()[][]")
+"""Brackets as they are typed in Chinese and Japanese."""
 _USUAL = frozenset(_USUAL_UNITS.split())
 """Units that are taken for one without brackets."""
 _RUN_TOGETHER = re.compile(r"^(?P<force>[munµμkM]?N)(?P<length>m|cm|mm)$")
@@ -57,19 +59,23 @@ _SCALED = {
 }
 """A column by its number and what one of its units is worth: volts, counts, amperes."""
 _WORDS = {
-    "s": "second seconds sec secs sekunde sekunden seconde secondes segundo segundos secondo secondi",
-    "ms": "millisecond milliseconds msec millisekunden millisecondes milisegundos",
-    "m": "meter meters metre metres mètre mètres metro metros metri",
-    "mm": "millimeter millimeters millimetre millimetres millimètres milímetros",
-    "cm": "centimeter centimeters centimetre centimetres zentimeter centímetros",
-    "rad": "radian radians radiant",
+    "s": "second seconds sec secs sekunde sekunden seconde secondes segundo segundos secondo secondi 秒",
+    "ms": "millisecond milliseconds msec millisekunden millisecondes milisegundos 毫秒 ミリ秒",
+    "us": "microsecond microseconds usec mikrosekunden 微秒 マイクロ秒",
+    "m": "meter meters metre metres mètre mètres metro metros metri 米 メートル",
+    "mm": "millimeter millimeters millimetre millimetres millimètres milímetros 毫米 ミリメートル",
+    "cm": "centimeter centimeters centimetre centimetres zentimeter centímetros 厘米 センチメートル",
+    "rad": "radian radians radiant 弧度 ラジアン",
     "rpm": "1/min u/min /min min-1 min^-1 min⁻¹ tr/min t/min r/min tours/min giri/min obr/min об/мин",
-    "deg": "degree degrees degs degré degrés grados gradi graus",
+    "deg": "degree degrees degs degré degrés grados gradi graus 度",
+    "N": "newton newtons 牛 牛顿 ニュートン",
 }
 _WRITTEN = {word: unit for unit, words in _WORDS.items() for word in words.split()}
 """Units that are written out."""
-_BY_POWERS = re.compile(r"^(?P<one>mm|cm|km|m|rad|deg|°)[ .·*⋅]?s\^?(?:-|−|⁻)(?P<power>[12¹²])$")
-"""Speeds and accelerations with the power of the second: m s-1, ms^-2, rad·s⁻¹."""
+_BY_POWERS = re.compile(
+    r"^(?P<one>mm|cm|km|m|rad|deg|°)(?:[ .·*⋅]?s\^?(?:-|−|⁻)(?P<power>[12¹²])|/(?:s|sec)(?:\^|\*\*)?(?P<square>[2²]))$"
+)
+"""Speeds and accelerations with the power of the second: m s-1, ms^-2, rad·s⁻¹, m/s2."""
 _KINDS = {"kilogram * meter ** 2 / ampere / second ** 3": "a voltage", "ampere": "a current"}
 _BASE = {
     "t": ("second",),
@@ -121,13 +127,15 @@ def split_header(header: str) -> tuple[str, str | None]:
     """Split ``x [mm]`` or ``Time (s)`` into name and unit; the unit is None when there are no brackets.
 
     ``position[0]`` is the name of an element, and stays whole. What stands behind the brackets, ``Time (s) Run #1``,
-    belongs to the name; ``w / rad``, ``Weg in mm`` and ``t, ms`` are of the same kind.
+    belongs to the name; ``w / rad``, ``Weg in mm`` and ``t, ms`` are of the same kind, and ``km/h`` is both.
     """
-    text = header.strip()
+    text = header.strip().translate(_WIDE)
+    if len(text) > 1 and text in _USUAL:
+        return text, text
     short = text if len(text) <= _LONGEST else ""
     if behind := _BEHIND.match(short):
         return f"{behind['name']} {behind['tail']}", behind["unit"].strip()
-    if (bare := _BARE.match(short)) and bare["unit"] in _USUAL:
+    if (bare := _BARE.match(short)) and (bare["unit"] in _USUAL or _BY_POWERS.match(bare["unit"])):
         return bare["name"], bare["unit"]
     for opening, closing in ("[]", "()"):
         name, bracket, unit = text[:-1].rpartition(opening)
@@ -169,6 +177,11 @@ def _spelled(channel: str, text: str) -> str:
     return text if text in _registry() else ENDINGS.get(channel, {}).get(text.strip().lower(), text)
 
 
+def _in_short(word: str) -> str:
+    """A unit that is written out, in short. Grad is a degree in German; grad is a gon."""
+    return "deg" if word.strip() == "Grad" else _WRITTEN.get(word.strip().lower(), word)
+
+
 def parse_unit(where: str, channel: str, text: str | None) -> Unit:
     """The unit ``text`` of a channel (t, x, v, a, u, or i, e and h: current, voltage, temperature); SI when None.
 
@@ -176,11 +189,12 @@ def parse_unit(where: str, channel: str, text: str | None) -> Unit:
     """
     if text is None:
         return SI
+    text = text.strip() or text
     if factor := _SIMPLE.get(channel, {}).get(text):
         return Unit(text, factor, channel != "u" and text.startswith(_ANGLES))
     accepted = f"{_ACCEPTED[channel]} for {channel}"
-    if powers := _BY_POWERS.match(text.strip()):
-        text = f"{powers['one']}/s" + ("^2" if powers["power"] in "2²" else "")
+    if powers := _BY_POWERS.match(text):
+        text = f"{powers['one']}/s" + ("^2" if powers["square"] or powers["power"] in "2²" else "")
     gravity = _GRAVITY.match(text)
     if channel == "a" and gravity:
         prefix = {"": 1.0, "m": 1e-3}.get(gravity["prefix"], 1e-6)
@@ -193,8 +207,11 @@ def parse_unit(where: str, channel: str, text: str | None) -> Unit:
         raise InputError(where, f"'{text}' is a length to some and an angle to others", accepted)
     if not text.strip() or not _PLAIN.match(text) or _LARGE_EXPONENT.search(text):
         raise InputError(where, f"'{text}' is not a unit", accepted)
+    if STEPS.match(text) and channel in _SCALED:
+        accepted += f"; what one is worth brings it, as {_SCALED[channel]} in --columns"
+        raise InputError(where, f"'{text}' is what a sensor counts", accepted)
     registry = _registry()
-    text = "deg" if text == "Grad" else _WRITTEN.get(text.strip().lower(), text)
+    text = _WRITTEN.get(text.lower()) or "/".join(map(_in_short, text.split("/")))
     try:
         base = registry.Quantity(1.0, registry.parse_units(_spelled(channel, text)))
         base = base.to_base_units()
@@ -208,9 +225,13 @@ def parse_unit(where: str, channel: str, text: str | None) -> Unit:
     return Unit(text, float(base.magnitude), "radian" in str(base.units))
 
 
-RAW = re.compile(
-    r"^(?:counts?|cts|ticks?|steps?|raw|lsb|adu|pulses?|px|pixels?|a\.?u\.?|m?v|volts?|%|-|1)?$", re.IGNORECASE
+_STEPS = (
+    r"(?:counts?|cnts?|cts|ticks?|steps?|raw|lsb|adu|pulses?|incs?|increments?|inkremente?|qc|digits?|px|pixels?)"
+    r"(?:/(?:s|sec)(?:\^?2|²)?)?"
 )
+STEPS = re.compile(rf"^{_STEPS}$", re.IGNORECASE)
+"""Units of sensors that count."""
+RAW = re.compile(rf"^(?:{_STEPS}|a\.?u\.?|m?v|volts?|%|-|1)?$", re.IGNORECASE)
 """Units of sensors that give no unit of motion."""
 
 

@@ -181,7 +181,7 @@ REFUSED: dict[str, tuple[Any, ...]] = {
     "no samples": ("t,x\n", "0 rows under the header"),
     "empty file": ("", "no rows"),
     "nan": (edited(without_values), "row 12 (line 13), column x: no value or nan. Try: --drop-nan"),
-    "infinite": (put(12, "0.055,-inf"), "row 12 (line 13), column x: -inf; expected a finite number"),
+    "infinite": (put(12, "0.055,-inf"), "row 12 (line 13), column x: -inf. Try: --drop-nan, which reads"),
     "infinite time": (put(12, "inf,1"), "row 12 (line 13), column t: inf"),
     "text": (put(7, "0.03,high"), "row 7 (line 8), column x: the text 'high'; expected a number"),
     "text after a blank line": (edited(blank_line), "row 8 (line 10), column x: the text 'oops'"),

@@ -588,6 +588,130 @@ def tachometer(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path,
     return lines(folder / "run.csv", "time_s,rpm", *rows(",", m.t, rpm)), {"t": m.t, "v": rpm * 2.0 * np.pi / 60.0}
 
 
+def _local(numbers: np.ndarray, digits: int, thousands: str, decimal: str) -> list[str]:
+    """Numbers with their thousands parted."""
+    return [f"{one:,.{digits}f}".translate(str.maketrans(",.", thousands + decimal)) for one in numbers]
+
+
+def thousands_parted(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """As a German, an English and a Swiss spreadsheet print whole ms and tenths of a µm."""
+    thousands, decimal = [".,", ",.", "'."][int(rng.integers(3))]
+    cells = zip(_local(1e3 * m.t, 0, thousands, decimal), _local(1e6 * m.x, 1, thousands, decimal), strict=True)
+    body = [f"{t};{x}" for t, x in cells]
+    return lines(folder / "tabelle.csv", "Zeit (ms);Weg (µm)", *body), {"t": m.t, "x": m.x}
+
+
+def motive_in_mm(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    path, _ = motive(folder, m, rng)
+    text = path.read_text(encoding="utf-8").replace("Length Units,Meters", "Length Units,Millimeters")
+    path.write_text(text, encoding="utf-8")
+    return path, {"t": m.t, "x": 1e-3 * m.x}
+
+
+def twincat(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    head = [
+        "Name\tScope Project", "File\tYT Scope.tcscopex", "Starttime of export\t133545678901230000", "",
+        "Name\tActPos\tName\tActVelo", "SymbolComment\t\tSymbolComment\t", "Data-Type\tREAL64\tData-Type\tREAL64",
+        "SampleTime[ms]\t5\tSampleTime[ms]\t5", "VariableSize\t8\tVariableSize\t8", "Port\t501\tPort\t501",
+        "Offset\t0\tOffset\t0", "ScaleFactor\t1\tScaleFactor\t1", "",
+    ]  # fmt: skip
+    body = rows("\t", 1e3 * m.t, m.x, 1e3 * m.t, m.v)
+    return lines(folder / "scope.csv", *head, *body), {"t": m.t, "x": m.x, "v": m.v}
+
+
+def odrive_gui(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    axis = "odrv0.axis0.pos_vel_mapper"
+    head = f"time (ms),{axis}.pos_rel,{axis}.vel,odrv0.axis0.motor.foc.Iq_measured"
+    wanted = {"t": m.t, "x": 2.0 * np.pi * m.x, "v": 2.0 * np.pi * m.v}
+    return lines(folder / "gui.csv", head, *rows(",", 1e3 * m.t, m.x, m.v, 0.1 * m.a)), wanted
+
+
+def mso(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Settings in pairs, as wide as the rows; what was measured has a unit of the user's."""
+    head = [
+        "Model,MSO44", "Label,Laser", "Waveform Type,ANALOG", "Horizontal Units,s", "Sample Interval,5e-03",
+        f"Record Length,{m.t.size}", "Zero Index,100", "Vertical Units,mm", "FastFrame Count,1", "",
+        "TIME [s],CH1 [mm]",
+    ]  # fmt: skip
+    return lines(folder / "tek0001.csv", *head, *rows(",", m.t - 1.0, 1e3 * m.x, digits="%.7e")), {"t": m.t, "x": m.x}
+
+
+def boards_log(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Lines behind the stamps of ESP-IDF, of a kernel, of Zephyr and of Python's logger."""
+    ms = np.round(1e3 * m.t).astype(int)
+    clock = [f"{k // 60000:02d}:{k // 1000 % 60:02d}" for k in ms]
+    stamps = {
+        "esp": [f"I ({k}) enc:" for k in ms],
+        "kernel": [f"[{1e-3 * k:12.6f}] enc:" for k in ms],
+        "zephyr": [f"[00:{c}.{k % 1000:03d},000] <inf> main:" for c, k in zip(clock, ms, strict=True)],
+        "python": [f"2026-03-14 09:{c},{k % 1000:03d} - INFO -" for c, k in zip(clock, ms, strict=True)],
+    }
+    name = sorted(stamps)[int(rng.integers(len(stamps)))]
+    body = [f"{s} pos={1e3 * x:.4f} mm vel={1e3 * v:.4f} mm/s" for s, x, v in zip(stamps[name], m.x, m.v, strict=True)]
+    return lines(folder / f"{name}.log", *body), {"t": 1e-3 * ms, "x": m.x, "v": m.v}
+
+
+def serial_days(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Dates as a spreadsheet keeps them: days since 1900."""
+    body = [f"{46095.38 + t / 86400.0:.12f};{1e3 * x:.6f}".replace(".", ",") for t, x in zip(m.t, m.x, strict=True)]
+    return lines(folder / "messung.csv", "Datum/Uhrzeit;Weg (mm)", *body), {"t": m.t, "x": m.x}
+
+
+def written_in_japan(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """In Shift JIS, with wide brackets around units that are words."""
+    path = folder / "keisoku.csv"
+    text = "\n".join(["時間（秒）,変位（ミリメートル）", *rows(",", m.t, 1e3 * m.x)])
+    path.write_bytes(text.encode("shift-jis"))
+    return path, {"t": m.t, "x": m.x}
+
+
+def written_by_r(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """write.table: names of rows below no name."""
+    body = [f'"{i}" {row}' for i, row in enumerate(rows(" ", m.t, 1e3 * m.x), 1)]
+    return lines(folder / "table.txt", '"t" "x_mm"', *body), {"t": m.t, "x": m.x}
+
+
+def two_levels(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """A table of pandas with names in two levels."""
+    body = [f"{i},{row}" for i, row in enumerate(rows(",", m.t, 1e3 * m.x))]
+    return lines(folder / "multi.csv", "sensor,laser,laser", "quantity,t_s,x_mm", *body), {"t": m.t, "x": m.x}
+
+
+def dated_records(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    stamps = np.datetime64("2026-03-14T09:12:07") + np.round(1e6 * m.t).astype("timedelta64[us]")
+    body = [json.dumps({"ts": f"{t}Z", "angle_deg": float(x)}) for t, x in zip(stamps, np.degrees(m.x), strict=True)]
+    return lines(folder / "mqtt.jsonl", *body), {"t": m.t, "x": m.x}
+
+
+def sensors_numbers(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Sensors whose names hold numbers, one of each kind, in units a spreadsheet's user types."""
+    head = "Zeit  1 - Standardrate [ s ]\tWegsensor WA/20 [mm ]\tACC3 (m/s2)"
+    return lines(folder / "weg.txt", head, *rows("\t", m.t, 1e3 * m.x, m.a, comma=True)), {"t": m.t, "x": m.x, "a": m.a}
+
+
+def by_powers(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    head = "t / s,x / mm,v / mm·s⁻¹,a / m·s⁻²"
+    return lines(folder / "si.csv", head, *rows(",", m.t, 1e3 * m.x, 1e3 * m.v, m.a)), {
+        "t": m.t,
+        "x": m.x,
+        "v": m.v,
+        "a": m.a,
+    }
+
+
+def unit_for_a_name(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    v = 20.0 * np.exp(-m.t / m.t[-1])
+    return lines(folder / "bike.csv", "sec;km/h", *rows(";", m.t, v, comma=True)), {"t": m.t, "v": v / 3.6}
+
+
+def gyroscope_bare(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Three axes of no unit: too fast for rad/s."""
+    turned = 200.0 * m.v / np.abs(m.v).max()
+    still = [0.05 * rng.standard_normal(m.t.size) for _ in "xz"]
+    body = [f"{1e3 * t:.0f},{row}" for t, row in zip(m.t, rows(",", still[0], turned, still[1]), strict=True)]
+    return lines(folder / "imu.csv", "timestamp,gx,gy,gz", *body), {"t": m.t, "v": np.radians(turned)}
+
+
 WRITERS: dict[str, Writer] = {
     one.__name__: one
     for one in (
@@ -597,6 +721,8 @@ WRITERS: dict[str, Writer] = {
         phyphox_excel, excel_by_hand, labx, wpilog, tdms, matlab_rows, matlab_trials, simulink, hdf5, json_lines,
         json_entries, runs_below, sensor_logger, catman, polytec, feels_its_weight, times_of_day,
         printed, stamps_in_two, with_a_summary, physics_toolbox, motive, qualisys, vicon, xsens, timetable, tektronix,
-        imu_in_g, french, tachometer, logger_pro, graphical_analysis_archive,
+        imu_in_g, french, tachometer, logger_pro, graphical_analysis_archive, thousands_parted, motive_in_mm, twincat,
+        odrive_gui, mso, boards_log, serial_days, written_in_japan, written_by_r, two_levels, dated_records,
+        sensors_numbers, by_powers, unit_for_a_name, gyroscope_bare,
     )
 }  # fmt: skip

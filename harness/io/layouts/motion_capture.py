@@ -1,5 +1,5 @@
-"""Markers in space: Qualisys' text (a header of names and values, then rows) and Vicon's (a title, the rate, names of
-markers, axes, units), both in mm.
+"""Markers in space: Qualisys' text (a header of names and values, then rows), Vicon's (a title, the rate, names of
+markers, axes, units), both in mm, and OptiTrack's (a line of names and values, with the unit, then five of names).
 """
 
 from collections.abc import Sequence
@@ -15,7 +15,25 @@ def _find(lines: Sequence[str], name: str) -> Head | None:
         return _qualisys(lines)
     if len(lines) > 5 and lines[0].strip(' ",').lower() in ("trajectories", "model outputs"):
         return _vicon(lines)
+    if lines and lines[0].startswith("Format Version,"):
+        return _motive(lines)
     return None
+
+
+def _motive(lines: Sequence[str]) -> Head | None:
+    said = lines[0].split(",")
+    at = next((i for i, line in enumerate(lines[:_DEEP]) if line.startswith("Frame,Time")), None)
+    if at is None or at + 1 >= len(lines) or "Length Units" not in said[:-1]:
+        return None
+    length = said[said.index("Length Units") + 1].strip().lower()
+    axes, kinds = lines[at].split(","), lines[at - 1].split(",")
+    names = next((line.split(",") for line in lines[:at] if line.startswith(",Name,")), [])
+    fields, units = ["Frame", "Time"], ["", "s"]
+    for i in range(2, len(axes)):
+        kind, name = (cells[i].strip() if i < len(cells) else "" for cells in (kinds, names))
+        fields.append(f"{name} {kind} {axes[i].strip()}".strip())
+        units.append(length if kind == "Position" else "")
+    return Head(first=at + 1, fields=tuple(fields), units=tuple(units), separator=",")
 
 
 def _qualisys(lines: Sequence[str]) -> Head | None:

@@ -11,6 +11,7 @@ from harness.core.bounded import read_bytes
 from harness.core.errors import InputError
 from harness.io.reader import Reader
 from harness.io.table import ArrayTable, held, table_of_arrays
+from harness.io.times import Clock
 
 _MOST_NAMES = 256
 """Columns that are made of records."""
@@ -29,26 +30,31 @@ def open_json(path: Path) -> ArrayTable:
     best = max(_tables(content), key=lambda one: max(map(len, one.values())), default={})
     if not best:
         raise InputError(str(path), "no table in it", _ACCEPTED)
-    return table_of_arrays(path, {name: held(np.asarray(values, dtype=np.float64)) for name, values in best.items()})
+    clocks = {name: Clock() for name in best}
+    columns = {name: np.array([_number(v, clocks[name]) for v in values], np.float64) for name, values in best.items()}
+    table = table_of_arrays(path, {name: held(values) for name, values in columns.items()})
+    firsts = [clock.first for clock in clocks.values()]
+    table.dated |= {i: first for i, first in enumerate(firsts) if first}
+    return table
 
 
-def _tables(content: Any) -> Iterator[Mapping[str, Sequence[float]]]:
+def _tables(content: Any) -> Iterator[Mapping[str, Sequence[Any]]]:
     """Columns by name, of everything in a document that is a table."""
     if isinstance(content, dict):
         lists = {str(k): v for k, v in content.items() if isinstance(v, list) and v and all(map(_is_number, v))}
         if lists:
-            yield {name: [_number(v) for v in values] for name, values in lists.items()}
+            yield lists
         for value in content.values():
             yield from _tables(value)
     elif isinstance(content, list) and content and all(isinstance(one, dict | list) for one in content):
         flat = [dict(_flat("", one)) for one in content]
         names = list(dict.fromkeys(name for one in flat for name in one))[:_MOST_NAMES]
         if names:
-            yield {name: [_number(one.get(name)) for one in flat] for name in names}
+            yield {name: [one.get(name) for one in flat] for name in names}
 
 
 def _flat(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:
-    """Numbers of a record by their names, those within it behind a point."""
+    """Numbers and times of a record by their names, those within it behind a point."""
     inside = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
     for key, one in inside:
         yield from _flat(f"{prefix}.{key}" if prefix else str(key), one)
@@ -57,10 +63,16 @@ def _flat(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:
 
 
 def _is_number(value: Any) -> bool:
+    """Whether a value is a number, none, or a date with its time of day."""
+    if isinstance(value, str):
+        return Clock().seconds(value) is not None
     return value is None or (isinstance(value, int | float) and not isinstance(value, bool))
 
 
-def _number(value: Any) -> float:
+def _number(value: Any, clock: Clock) -> float:
+    if isinstance(value, str):
+        seconds = clock.seconds(value)
+        return float("nan") if seconds is None else seconds
     return float("nan") if value is None else float(value)
 
 

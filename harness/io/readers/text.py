@@ -5,6 +5,7 @@ import math
 import re
 from array import array
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -29,6 +30,8 @@ _BLOCK = 1 << 22
 _LONGEST_LINE = 1 << 20
 _UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 """Its mark, in either order of bytes."""
+_CODINGS = ("cp932", "gb18030", "cp949", "cp1251", "cp1250")
+"""In which texts that are not UTF-8 are tried, for a word of theirs that says a channel, before they are Latin."""
 _LOOKED, _ROWS, _HEADS = 60, 3, 2
 """Lines at the beginning in which a table's first is looked for, rows that make one, and lines of names and units."""
 _MOST_ODD = 0.05
@@ -36,6 +39,7 @@ _MOST_ODD = 0.05
 _MOST_BELOW = 5
 """Lines that may stand below the rows."""
 _COMMENT = ("#", "%")
+_LATIN, _LONGEST_NAME = re.compile(r"[\x00-\xff]*"), 100
 _RATE = re.compile(
     r"(?:sampl\w{0,6}|abtast|scan|data|update|frame)[ _-]?(?:rate|freq\w{0,6}|hz)?\s?[:=;,\t ]\s{0,9}"
     r"(?P<rate>\d[\d.,]{0,12})\s?(?P<unit>k?hz|sps|s/s|fps)\b",
@@ -47,7 +51,14 @@ _NEAR = 0.05
 """Share by which a first sample may differ from what a run was to start with."""
 _BRACKETS = re.compile(r"^[\[(]\s*([^\[\]()]*?)\s*[\])]$")
 _FORTRAN = re.compile(r"^([+-]?\d*\.?\d+|[+-]?\d+\.)[dD]([+-]?\d{1,3})$")
-_WITHOUT = "na n/a null none nil --- overload overflow ovld ovf #n/a #num! #value! \N{INFINITY} -\N{INFINITY}"
+_WITHOUT = (
+    "na n/a null none nil - -- --- ? . *** overload overflow over ovld ovf ovrng ol #n/a #num! #value! #div/0! #nv "
+    "<na> 1.#qnan -1.#ind 1.#inf -1.#inf \N{INFINITY} -\N{INFINITY}"
+)
+_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?P<mark>[.,'’ \u00a0\u202f])\d{3}(?:(?P=mark)\d{3})*(?:[.,]\d*)?")
+"""Numbers whose thousands are parted: 1,234.5, 1.234,5, 1'234."""
+_WHOLE = re.compile(r"[+-]?[1-9]\d{0,2}\.\d{3}")
+"""A whole number beside decimal commas, where all with a point are so and others have none."""
 _MISSING = frozenset(_WITHOUT.split())
 """What loggers write for no value, besides nothing and nan."""
 
@@ -76,7 +87,9 @@ def _number(cell: str, decimal: str = ".") -> float | None:
     except ValueError:
         # as typesetters (a true minus) and Fortran (5.0D-02) write it
         plain = _FORTRAN.sub(r"\1e\2", text.replace("\N{MINUS SIGN}", "-"))
-        return None if plain == text else _number(plain, decimal)
+        if (parted := _THOUSANDS.fullmatch(plain)) and parted["mark"] != decimal:
+            plain = plain.replace(parted["mark"], "")
+        return None if plain == text or plain in _MISSING else _number(plain, decimal)
 
 
 def _cells(where: str, line: str, separator: str) -> list[str]:
@@ -125,7 +138,9 @@ def _layout(path: Path, data: bytes | bytearray, skip_rows: int) -> tuple[_Layou
         names, said, begin = below
         number, start, _ = body[begin]
         more = begin - len({names, said} - {("",) * len(names), ()})
-        passed = f"{more} lines above the numbers, neither names nor units, are passed over." if more else None
+        lines_are = "1 line above the numbers, neither names nor units, is" if more == 1 else ""
+        lines_are = lines_are or f"{more} lines above the numbers, neither names nor units, are"
+        passed = f"{lines_are} passed over." if more else None
         return _Layout(separator, decimal, names, start, number, said), passed
     number, start, text = body[0]
     where = f"{path}: line {number}"
@@ -158,20 +173,33 @@ def _heading(
     # numbers and words in one line, where the rows have numbers alone: limits, scales, settings
     mixed = full and _has_number(rows[0], decimal) and not _is_all_numbers(rows[0], decimal)
     of_numbers = _is_all_numbers if mixed else _has_number
-    fits = np.array([len(row) == width and of_numbers(row, decimal) for row in rows])
+    numbered = _is_all_numbers(rows[-1][:1], decimal)
+    fits = np.array(
+        [
+            len(row) == width and of_numbers(row, decimal) and _is_all_numbers(row[:1], decimal) == numbered
+            for row in rows
+        ]
+    )
     starts = (i for i in range(fits.size) if np.all(fits[i : i + _ROWS]) and np.mean(fits[i:]) > 1.0 - 2.0 * _MOST_ODD)
     begin = next(starts, len(rows))
     title = width > 1 and sum(map(bool, rows[0])) == 1  # alone in its line, as a spreadsheet's heading is
-    apart = mixed or title or begin > _HEADS or width not in (len(rows[0]), len(heads[0]))
+    two = begin == _HEADS and not any(map(_says_channel, heads[0])) and any(map(_says_channel, heads[1]))
+    apart = mixed or title or two or begin > _HEADS or width not in (len(rows[0]), len(heads[0]))
     if not apart or len(rows) - begin < _ROWS:
         return None
+    # row names stand below no name, where R writes a table
+    heads = [("", *cells) if len(cells) == width - 1 and begin == 1 else cells for cells in heads]
     texts = [i for i in range(begin) if len(heads[i]) == width and not _has_number(heads[i], decimal)]
     of_units = next((i for i in reversed(texts) if all(is_unit(_bare(cell)) for cell in heads[i] if cell)), None)
     above = [i for i in texts if of_units is None or i < of_units]
-    named = [i for i in above if any(word_of(cell) or meaning(split_header(cell)[0]) for cell in heads[i])]
+    named = [i for i in above if any(map(_says_channel, heads[i]))]
     names = max(named or above, default=None)
     units = () if of_units is None else tuple(map(_bare, heads[of_units]))
     return ("",) * width if names is None else heads[names], units, begin
+
+
+def _says_channel(header: str) -> bool:
+    return bool(word_of(header) or meaning(split_header(header)[0]))
 
 
 def _bare(unit: str) -> str:
@@ -209,7 +237,8 @@ def _header(where: str, line: str, separator: str) -> list[str]:
     if separator:
         return _cells(where, line, separator)
     # a unit's text holds no second bracket: what is searched for its end ends at the next one
-    return re.findall(r"[^\s\[(]+(?:\s?[\[(][^\[\]()]*[\])])*", " ".join(line.split()))
+    found = re.findall(r'"[^"]*"|[^\s\[(]+(?:\s?[\[(][^\[\]()]*[\])])*', " ".join(line.split()))
+    return [cell.strip('"') for cell in found]
 
 
 def _decode(raw: bytes | bytearray) -> str:
@@ -217,6 +246,20 @@ def _decode(raw: bytes | bytearray) -> str:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError:
         return raw.decode("latin-1")
+
+
+def _coding(head: bytes) -> str | None:
+    """The coding of a text that is neither UTF-8 nor Latin: the one in which its first lines say a channel."""
+    first = head.rpartition(b"\n")[0]
+    try:
+        first.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        for coding in _CODINGS:
+            with suppress(UnicodeDecodeError):
+                cells = re.split(r"[\t;,]", first.decode(coding))
+                if any(word_of(cell) and not _LATIN.fullmatch(cell) for cell in cells if len(cell) < _LONGEST_NAME):
+                    return coding
+    return None
 
 
 def _bytes(path: Path) -> bytes | bytearray:
@@ -238,6 +281,8 @@ def _lines(path: Path, data: bytes | bytearray) -> bytes | bytearray:
         except UnicodeError:
             accepted = "a text table in UTF-8 or UTF-16"
             raise InputError(str(path), "UTF-16 that is damaged", accepted) from None
+    elif (coding := _coding(bytes(data[:_HEAD]))) is not None:
+        data = data.decode(coding, "replace").encode("utf-8")
     if b"\x00" in data[:_HEAD]:
         raise InputError(str(path), "binary content", "a text table in UTF-8, or in UTF-16 with its mark")
     if b"\r" in data:
@@ -386,6 +431,7 @@ class TextTable(Table):
     def _read_slowly(self, positions: Sequence[int]) -> list[FloatArray]:
         """Cell by cell: to say where the fast reader stumbled, or to read what only it could not."""
         columns, clocks = [array("d") for _ in positions], [Clock() for _ in positions]
+        dots: dict[int, list[int]] = {}
         for row, (line, cells) in enumerate(self._rows(), 1):
             for column, clock, i in zip(columns, clocks, positions, strict=True):
                 value = _number(cells[i], self._layout.decimal)
@@ -397,6 +443,12 @@ class TextTable(Table):
                     where = f"{self.path}: row {row} (line {line}), column {self.names[i] or f'#{i + 1}'}"
                     raise InputError(where, f"the text '{cells[i][:40]}'", "a number")
                 column.append(value)
+                if self._layout.decimal == "," and "." in cells[i]:
+                    dots.setdefault(i, []).append(len(column) - 1 if _WHOLE.fullmatch(cells[i]) else -1)
+        for column, i in zip(columns, positions, strict=True):
+            if i in dots and -1 not in dots[i] and len(dots[i]) < len(column):  # else a decimal point of its own
+                for row in dots[i]:
+                    column[row] *= 1e3
         self.dated |= {i: clock.first for i, clock in zip(positions, clocks, strict=True) if clock.first}
         return [np.asarray(column, dtype=np.float64) for column in columns]
 
