@@ -21,7 +21,7 @@ from harness.io.columns import (
     unit_ending,
 )
 from harness.io.options import UNSAID, ReadOptions, RefusedError
-from harness.io.scoring import runs_of
+from harness.io.scoring import GYRO_COUNTS, runs_of
 from harness.io.table import Table
 from harness.io.units import RAW, STEPS, Unit, parse_unit
 
@@ -202,14 +202,15 @@ def unscaled(table: Table, mappings: dict[str, Mapping], read: dict[str, tuple[F
             continue
         position = table.position(mapping.names[0])
         values, told = read[channel]
-        counts = told.factor == 1.0 and not told.angular and _whole_steps(values)
+        of_rate = channel == "v" and told.angular and float(np.nanmax(np.abs(values))) / told.factor > GYRO_COUNTS
+        counts = (of_rate or (told.factor == 1.0 and not told.angular)) and _whole_steps(values / told.factor)
         if position < 0 or not (counts or RAW.match(table.units.get(position, "m")) or _is_converted(table, position)):
             continue
         said, shown = table.quoted(position), told.text or unit
         turn = f", or {channel}={_TURN_OF_4096}*{said}[rad] where 4096 are a turn" if channel == "x" else ""
         found.append(
             f"{channel} is read as if one step of {table.headers[position][:_LONG] or said} were 1 {shown}: where it "
-            f"is a sensor's count, --columns gives its worth, as {channel}=0.001*{said}[{unit}]{turn}."
+            f"is a sensor's count, --columns gives its worth, as {channel}=0.001*{said}[{shown}]{turn}."
         )
     return found
 

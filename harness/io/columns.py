@@ -54,13 +54,14 @@ _WORDS: dict[str, str] = {
     "x": "position displacement deflection distance angle theta height elongation encoder winkel weg auslenkung ort "
     "lage abstand strecke posición desplazamiento distancia ángulo angulo altura déplacement allongement posizione "
     "spostamento angolo posição posicao deslocamento positie verplaatsing hoek vinkel läge avstånd położenie kąt "
-    "przemieszczenie poloha výchylka úhel sijainti kulma konum açı положение угол смещение 位置 位移 角度 変位 위치 "
-    "변위 각도 abscisse",
+    "przemieszczenie poloha výchylka úhel sijainti kulma konum açı положение угол смещение перемещение 位置 位移 "
+    "角度 変位 위치 변위 각도 abscisse",
     "v": "velocity speed gyroscope gyro omega geschwindigkeit drehrate vitesse velocidad velocità velocita "
     "velocidade snelheid hastighet prędkość rychlost nopeus hız скорость 速度 속도",
     "a": "acceleration accelerometer accel beschleunigung accélération aceleración aceleracion accelerazione "
     "aceleração versnelling przyspieszenie zrychlení kiihtyvyys ivme ускорение 加速度 가속도",
-    "u": "force torque kraft drehmoment fuerza forza força kracht siła síla voima kuvvet сила couple 力 힘",
+    "u": "force torque kraft drehmoment fuerza forza força kracht siła síla voima kuvvet tork сила момент couple 力 "
+    "扭矩 转矩 トルク 힘 토크",
 }
 _WORD = {word: channel for channel, words in _WORDS.items() for word in words.split()}
 """Words that say a channel within a longer name, in a dozen languages; in compounds the last one does."""
@@ -90,9 +91,16 @@ class Meaning:
     angle: bool = False
 
 
+_ASKED = re.compile(
+    r"(?<![^\W\d_])(?:soll|führungs|consign[ea]|riferimento|referencia|referência|zadan|żądan|заданн|уставка)"
+    "|目标|目標|给定|設定値|设定|指令|목표|지령"
+)
+"""What was asked for, in other languages; German and Slavic ones put more behind it: Sollposition."""
+
+
 def is_commanded(name: str) -> bool:
     """Whether a name says what was asked for, and not what was measured ("goal.position", "xcmd1_rad")."""
-    return bool(COMMANDED & set(re.split(r"[^a-z]+", name.lower())))
+    return bool(COMMANDED & set(re.split(r"[^a-z]+", name.lower())) or _ASKED.search(name.lower()))
 
 
 _ABSOLUTE = re.compile(r"^(?:abs(?:u|f|tau|effort|force|torque)?\d*(?![^\W_])|\|)|[\s_]abs$", re.IGNORECASE)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 DECIMAL_COMMA = re.compile(r"^[+-]?(?:\d+|\d{1,3}(?:\.\d{3})+),\d+([eE][+-]?\d+)?$")
 _THOUSANDS = re.compile(r"^[+-]?\d{1,3}(?:,\d{3})+\.\d+$")
 """A number that says that a comma parts thousands."""
+_WHOLE = re.compile(r"^[+-]?(?:\d{1,3}(?:,\d{3})+|\d+)$")
 NUMBER = re.compile(r"^[+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?$|^nan$", re.IGNORECASE)
 
 
@@ -50,6 +51,9 @@ def separator_of(lines: Sequence[str]) -> tuple[str, str]:
     if "," not in lines[0] and text and all(map(DECIMAL_COMMA.match, lines[1:])):
         # one name above each pair of digits: a single column
         return ";", ","
+    quoted = re.findall(r'"([^"]*)"', last) if not pointed else []
+    if ";" not in last and "\t" not in last and any(map(DECIMAL_COMMA.match, quoted)):
+        return ",", "," if not all(map(_WHOLE.match, quoted)) else "."
     for separator in (";", "\t", ","):
         if separator in last:
             return separator, "," if separator != "," and commas else "."

@@ -52,6 +52,8 @@ _MG = 700, 1300
 _TURN = 2.0 * np.pi
 _GYRO = 35.0
 """rad/s, 2000 deg/s: more than gyroscopes show; larger numbers of one are deg/s."""
+GYRO_COUNTS = 4000.0
+"""deg/s that none shows: its own counts."""
 _SCALED, _NUMBERS, _NAME, _UNIT = range(-1, 3)
 """By what a column's channel is told, the strongest last; a voltage or a count needs its scale first."""
 _COUNTS = {"row", "index", "idx", "sample", "frame", "count", "id", "nr", "no", "cycle", "step", "line"}
@@ -137,7 +139,7 @@ def runs_of(table: Table, timed: bool = True) -> list[list[Reading]]:
 
 def _unevenness(one: Column) -> float:
     steps = np.diff(one.values[np.isfinite(one.values)])
-    return round(float(np.std(steps) / max(np.mean(steps), np.finfo(float).tiny)), 2)
+    return round(float(np.std(steps) / np.mean(steps)), 2) if np.mean(steps) > 0.0 else np.inf
 
 
 def _readings(columns: Sequence[Column], t: Column | None) -> Iterator[Reading]:
@@ -319,8 +321,9 @@ def _with_gravity(columns: Sequence[Column]) -> list[Column]:
 def _with_turning(columns: Sequence[Column]) -> list[Column]:
     """The columns; rates of turning without a unit are in deg/s where one of them is too fast for rad/s."""
     bare = [one for one in columns if one.channel == "v" and not one.unit and is_rate(one.name)]
-    unit = "deg/s" if any(float(np.nanmax(np.abs(one.values))) > _GYRO for one in bare) else "rad/s"
-    return [replace(one, unit=unit, given=True) if one in bare else one for one in columns]
+    fastest = max((float(np.nanmax(np.abs(one.values))) for one in bare), default=0.0)
+    unit, told = "deg/s" if fastest > _GYRO else "rad/s", _SCALED if fastest > GYRO_COUNTS else _NAME
+    return [replace(one, unit=unit, given=True, told=told) if one in bare else one for one in columns]
 
 
 def _by_name(name: str, unit: str | None) -> tuple[str, int, str]:

@@ -21,7 +21,9 @@ _STAMP = re.compile(
 _LASTED = re.compile(r"(?P<value>[+-]?\d{1,12}(?:\.\d{1,12})?) ?(?P<unit>sec|s|ms|min|hr)")
 """A duration with its unit in the cell."""
 _LENGTHS = {"sec": 1.0, "s": 1.0, "ms": 1e-3, "min": 60.0, "hr": 3600.0}
-_NOON = 12
+_NOON = _MONTHS = 12
+_MINUTES = re.compile(r"(?P<m>\d{1,3}):(?P<s>[0-5]\d[.,]\d{1,9})")
+"""Of a stop watch; hours and minutes have no fraction."""
 
 
 def _day(text: str) -> int:
@@ -29,7 +31,7 @@ def _day(text: str) -> int:
     if "-" in text:
         return date.fromisoformat(text).toordinal()
     one, other, year = map(int, re.split(r"[./]", text))
-    return (date(year, other, one) if "." in text else date(year, one, other)).toordinal()
+    return (date(year, other, one) if "." in text or one > _MONTHS else date(year, one, other)).toordinal()
 
 
 class Clock:
@@ -63,10 +65,13 @@ class Clock:
         return (day - self._day) * _DAY + (seconds - self._seconds)
 
     def _lasted(self, text: str) -> float | None:
-        found = _LASTED.fullmatch(text)
-        if found is None:
+        found, short = _LASTED.fullmatch(text), _MINUTES.fullmatch(text)
+        if short is not None:
+            seconds = _MINUTE * int(short["m"]) + float(short["s"].replace(",", "."))
+        elif found is not None:
+            seconds = float(found["value"]) * _LENGTHS[found["unit"]]
+        else:
             return None
-        seconds = float(found["value"]) * _LENGTHS[found["unit"]]
         if not self.first:
             self.first, self._seconds = text, seconds
         return seconds - self._seconds

@@ -59,16 +59,19 @@ _SCALED = {
 }
 """A column by its number and what one of its units is worth: volts, counts, amperes."""
 _WORDS = {
-    "s": "second seconds sec secs sekunde sekunden seconde secondes segundo segundos secondo secondi 秒",
-    "ms": "millisecond milliseconds msec millisekunden millisecondes milisegundos 毫秒 ミリ秒",
+    "s": "second seconds sec secs sekunde sekunden seconde secondes segundo segundos secondo secondi saniye sn с сек "
+    "秒 초",
+    "ms": "millisecond milliseconds msec millisekunden millisecondes milisegundos мс 毫秒 ミリ秒 밀리초",
     "us": "microsecond microseconds usec mikrosekunden 微秒 マイクロ秒",
-    "m": "meter meters metre metres mètre mètres metro metros metri 米 メートル",
-    "mm": "millimeter millimeters millimetre millimetres millimètres milímetros 毫米 ミリメートル",
-    "cm": "centimeter centimeters centimetre centimetres zentimeter centímetros 厘米 センチメートル",
-    "rad": "radian radians radiant 弧度 ラジアン",
+    "m": "meter meters metre metres mètre mètres metro metros metri м 米 メートル 미터",
+    "mm": "millimeter millimeters millimetre millimetres millimètres milímetros мм 毫米 ミリメートル 밀리미터",
+    "cm": "centimeter centimeters centimetre centimetres zentimeter centímetros см 厘米 センチメートル 센티미터",
+    "rad": "radian radians radiant рад 弧度 ラジアン 라디안",
     "rpm": "1/min u/min /min min-1 min^-1 min⁻¹ tr/min t/min r/min tours/min giri/min obr/min об/мин",
-    "deg": "degree degrees degs degré degrés grados gradi graus 度",
-    "N": "newton newtons 牛 牛顿 ニュートン",
+    "deg": "degree degrees degs degré degrés grados gradi graus graden grader stopnie derece град 度 도",
+    "N": "newton newtons н 牛 牛顿 ニュートン 뉴턴",
+    "N*m": "нм н·м н*м 牛米 牛·米",
+    "s^2": "с² с^2 с2",
 }
 _WRITTEN = {word: unit for unit, words in _WORDS.items() for word in words.split()}
 """Units that are written out."""
@@ -135,13 +138,19 @@ def split_header(header: str) -> tuple[str, str | None]:
     short = text if len(text) <= _LONGEST else ""
     if behind := _BEHIND.match(short):
         return f"{behind['name']} {behind['tail']}", behind["unit"].strip()
-    if (bare := _BARE.match(short)) and (bare["unit"] in _USUAL or _BY_POWERS.match(bare["unit"])):
+    if (bare := _BARE.match(short)) and _stands_bare(bare["unit"]):
         return bare["name"], bare["unit"]
     for opening, closing in ("[]", "()"):
         name, bracket, unit = text[:-1].rpartition(opening)
         if text.endswith(closing) and bracket and name.strip() and closing not in unit and not unit.strip().isdigit():
             return name.strip(), unit.strip()
     return text, None
+
+
+def _stands_bare(unit: str) -> bool:
+    """Whether a unit is taken for one without brackets."""
+    written = not unit.isascii() and all(word in _WRITTEN for word in unit.lower().split("/"))
+    return written or unit in _USUAL or bool(_BY_POWERS.match(unit))
 
 
 def split_headers(headers: Sequence[str]) -> tuple[list[str], dict[int, str]]:

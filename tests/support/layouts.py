@@ -712,6 +712,60 @@ def gyroscope_bare(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[P
     return lines(folder / "imu.csv", "timestamp,gx,gy,gz", *body), {"t": m.t, "v": np.radians(turned)}
 
 
+def asked_and_measured(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """What was asked for stands before what was measured, in the words of three languages."""
+    asked, x, u = [
+        ("Sollposition", "Istposition", "Istkraft"),
+        ("Consigne position", "Position mesurée", "Effort"),
+        ("目标位置", "实际位置", "力"),
+    ][int(rng.integers(3))]
+    head = f"Time [ms];{asked} [mm];{x} [mm];{u} [N]"
+    body = rows(";", 1e3 * m.t, 1.1e3 * m.x, 1e3 * m.x, m.a, comma=True)
+    return lines(folder / "achse.csv", head, *body), {"t": m.t, "x": m.x, "u": m.a}
+
+
+def yokogawa(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    head = [
+        '"Header Size","16"', '"Model Name","DL850E"', '"Comment",""', '"BlockNumber","1"', '"TraceName ","CH1  "',
+        f'"BlockSize ","{m.t.size}"', '"VUnit     ","mm"', f'"SampleRate","{1.0 / m.t[1]:g}"', '"HUnit     ","s"',
+        '"Date      ","2026/03/14"', '"Time      ","09:12:07.250000"', "", "",
+    ]  # fmt: skip
+    return lines(folder / "dl850.csv", *head, *(f",{1e3 * x:.5E}" for x in m.x)), {"t": m.t, "x": m.x}
+
+
+def graphtec(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """A clock of whole seconds, beside one of ms that begins again with each."""
+    head = [
+        "Vendor,GRAPHTEC Corporation", "Model,GL980", f"Sampling interval,{1e3 * m.t[1]:g}ms", "AMP settings",
+        "CH,Signal name,Input,Range", "CH1,Laser,DC,1V", "Data", "Number,Date&Time,ms,CH1,A12,", "NO.,Time,ms,mm,A12,",
+    ]  # fmt: skip
+    ms = np.round(1e3 * m.t).astype(int)
+    clock = [f"2026/3/14 09:{12 + k // 60000:02d}:{k // 1000 % 60:02d},{k % 1000}" for k in ms]
+    body = [f"{i},{c},{1e3 * x:+.5f},HHHH," for i, (c, x) in enumerate(zip(clock, m.x, strict=True), 1)]
+    return lines(folder / "gl980.csv", *head, *body), {"t": m.t, "x": m.x}
+
+
+def stopwatch(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Minutes and seconds; the card's empty blocks stand behind the rows."""
+    body = [f"{int(t // 60):02d}:{t % 60:06.3f},{1e3 * x:.5f}" for t, x in zip(m.t, m.x, strict=True)]
+    path = lines(folder / "card.csv", "Time,Position (mm)", *body)
+    path.write_bytes(path.read_bytes() + bytes(512))
+    return path, {"t": m.t, "x": m.x}
+
+
+def quoted_commas(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Decimal commas within quotes, commas between."""
+    body = [f'"{t:.4f}","{1e3 * x:.4f}"'.replace(".", ",") for t, x in zip(m.t, m.x, strict=True)]
+    return lines(folder / "export.csv", '"Zeit [s]","Weg [mm]"', *body), {"t": m.t, "x": m.x}
+
+
+def written_in_russia(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    path = folder / "opyt.csv"
+    head = "Время, с;Перемещение, мм;Скорость, мм/с"
+    path.write_bytes("\n".join([head, *rows(";", m.t, 1e3 * m.x, 1e3 * m.v, comma=True)]).encode("cp1251"))
+    return path, {"t": m.t, "x": m.x, "v": m.v}
+
+
 WRITERS: dict[str, Writer] = {
     one.__name__: one
     for one in (
@@ -723,6 +777,7 @@ WRITERS: dict[str, Writer] = {
         printed, stamps_in_two, with_a_summary, physics_toolbox, motive, qualisys, vicon, xsens, timetable, tektronix,
         imu_in_g, french, tachometer, logger_pro, graphical_analysis_archive, thousands_parted, motive_in_mm, twincat,
         odrive_gui, mso, boards_log, serial_days, written_in_japan, written_by_r, two_levels, dated_records,
-        sensors_numbers, by_powers, unit_for_a_name, gyroscope_bare,
+        sensors_numbers, by_powers, unit_for_a_name, gyroscope_bare, asked_and_measured, yokogawa, graphtec, stopwatch,
+        quoted_commas, written_in_russia,
     )
 }  # fmt: skip

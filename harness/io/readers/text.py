@@ -46,6 +46,12 @@ _RATE = re.compile(
     re.IGNORECASE,
 )
 """A line above the numbers that says how many samples there are a second."""
+_STEP = re.compile(
+    r"\bsampl\w{0,6}[ _-]?(?:cycle|interval|period|time|pitch|step)\s?[:=;,\t ]\s{0,9}"
+    r"(?P<step>\d[\d.,]{0,12})\s?(?P<unit>ms|us|µs|s)\b",
+    re.IGNORECASE,
+)
+"""One that says how far apart they are."""
 _IS_RATE = re.compile(r"^(?:sampl\w{0,6}|scan|data|frame)[ _-]?(?:rate|freq\w{0,6})(?:[ _-]?hz)?$", re.IGNORECASE)
 _NEAR = 0.05
 """Share by which a first sample may differ from what a run was to start with."""
@@ -283,6 +289,7 @@ def _lines(path: Path, data: bytes | bytearray) -> bytes | bytearray:
             raise InputError(str(path), "UTF-16 that is damaged", accepted) from None
     elif (coding := _coding(bytes(data[:_HEAD]))) is not None:
         data = data.decode(coding, "replace").encode("utf-8")
+    data = data.rstrip(b"\x00")  # a card's empty blocks, where the logger lost its power
     if b"\x00" in data[:_HEAD]:
         raise InputError(str(path), "binary content", "a text table in UTF-8, or in UTF-16 with its mark")
     if b"\r" in data:
@@ -340,6 +347,8 @@ class TextTable(Table):
         number = rate_of(said["rate"]) if said else None
         if said and number:
             self.said_rate = number * (1e3 if said["unit"].lower() == "khz" else 1.0)
+        if (step := _STEP.search(before)) and not self.said_rate and (apart := rate_of(step["step"])):
+            self.said_rate = {"ms": 1e3, "s": 1.0}.get(step["unit"].lower(), 1e6) / apart
         settings = _settings(before)
         self.said_rate = self.said_rate or next((y for name, y in settings.items() if _IS_RATE.search(name)), None)
         if len(self.names) == 1 and not self.units:
