@@ -13,6 +13,8 @@ from harness.proof.detection import LOSSES
 from harness.proof.engine_source import ENGINE_KINDS, ENGINES
 from harness.proof.machines.kinds import FREE
 from harness.proof.machines.kinds import plan as plan_machines
+from harness.proof.paths.forms import FIRST
+from harness.proof.paths.forms import PATHS as WAYS
 from harness.proof.paths.made import ways
 from harness.proof.plant.effects import ALIENS, KINDS, compatible
 
@@ -29,7 +31,10 @@ DRIVEN = ("static-friction",)
 
 @dataclass(frozen=True, slots=True)
 class Sizes:
-    """How many recordings of each group. Raises InputError for a negative number and for none at all."""
+    """How many recordings of each group. Raises InputError for a negative number and for none at all.
+
+    ways : over how many of the ways, from the first, ``paths`` are spread; 0 for those of the first published proof.
+    """
 
     singles: int = 300
     controls: int = 300
@@ -37,6 +42,7 @@ class Sizes:
     outside: int = 60
     machines: int = 0
     paths: int = 0
+    ways: int = 0
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -53,7 +59,8 @@ class Sizes:
     @property
     def is_evidence(self) -> bool:
         """Whether so many recordings can carry the figures a proof speaks of."""
-        return any(self.covers(enough) for enough in (FULL, MACHINES, LEAST_PATHS))
+        enough = self.paths >= LEAST_OF_A_WAY * (self.ways or FIRST)
+        return enough or any(self.covers(full) for full in (FULL, MACHINES))
 
     def covers(self, other: "Sizes") -> bool:
         """Whether no group is smaller."""
@@ -68,12 +75,19 @@ FULL = Sizes()
 SHORT = Sizes(16, 5, 2, 1)
 MACHINES, SHORT_MACHINES = Sizes(0, 0, 0, 0, machines=600), Sizes(0, 0, 0, 0, machines=24)
 """Proofs on recordings of machines alone."""
-PATHS, LEAST_PATHS, SHORT_PATHS = (Sizes(0, 0, 0, 0, paths=count) for count in (5400, 144, 24))
-"""Proofs on all ways that give a verdict: of each 300 controls, 225 effects and, over all, 675 unknown ones.
+LEAST_OF_A_WAY = 16
+"""Recordings of each way, half of them controls: of nine ways, none wrong of 72 bounds false alarms at 5 %. Every
+figure has its interval, and one whose bound is asked falls short where the cases are too few for it."""
+OF_A_WAY = 600
+"""Of each 300 controls, 225 effects and, over all, an eighth unknown ones."""
 
-The least that is evidence has 8 controls of each way, 72 in all: none of them wrong bounds false alarms at 5 %. Every
-figure has its interval, and one whose bound is asked falls short where the cases are too few for it.
-"""
+
+def on_ways(recordings: int) -> Sizes:
+    """A proof on all ways that give a verdict, with so many recordings."""
+    return Sizes(0, 0, 0, 0, paths=recordings, ways=len(WAYS))
+
+
+PATHS, SHORT_PATHS = on_ways(OF_A_WAY * len(WAYS)), on_ways(24)
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +133,7 @@ def plan(sizes: Sizes, seed: int) -> list[Job]:
     mains = sizes.machines - controls - unknown
     for one in plan_machines(list(FREE.values()), mains, controls, unknown, 0, seed):
         drafts.append(Job(0, one.group, MACHINE, (one.main,) if one.main else (), one.kind.name, ""))
-    for path, group, form in ways(sizes.paths, np.random.default_rng([seed, 4])):
+    for path, group, form in ways(sizes.paths, np.random.default_rng([seed, 4]), sizes.ways or FIRST):
         drafts.append(Job(0, group, PATH, (form,) if form else (), path, ""))
     if sizes.covers(FULL):
         drafts += [

@@ -158,6 +158,7 @@ class ProofSizes(Result):
     outside: int
     machines: int = Field(default=0, description="recordings of machines, half of them controls")
     paths: int = Field(default=0, description="recordings on all ways that give a verdict, half of them controls")
+    ways: int = Field(default=0, description="on how many ways; 0 for the nine of the first published proof")
 
 
 class ProofResult(Paged):

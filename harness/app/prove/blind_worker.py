@@ -9,7 +9,7 @@ import json
 import os
 import signal
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
@@ -17,8 +17,9 @@ from typing import Any
 
 import numpy as np
 
+from harness.app.diagnose.many import diagnose, diagnose_together
 from harness.app.diagnose.one import answer
-from harness.app.diagnose.options import DiagnoseOptions
+from harness.app.diagnose.options import DiagnoseOptions, RobotOptions
 from harness.app.shared.reading import ReadOptions, read_as, spooled
 from harness.core.arrays import FloatArray
 from harness.core.errors import HarnessError
@@ -34,25 +35,26 @@ EVIDENCE = 5
 def diagnosed(recording: bytes, arguments: Sequence[str]) -> dict[str, Any]:
     """The verdict of ``harness diagnose - ARGUMENTS`` on a recording, without what no score needs.
 
-    Files that are packed in one are diagnosed as they lie, several together; no engine is asked then.
+    Files that are packed in one are diagnosed as they lie, several together; those that an argument names are what it
+    says (a robot's model). No engine is asked then.
 
     arguments : as ("--restoring", "none", ...), how the machine is held.
     """
-    named: dict[str, Any] = dict(zip(arguments[::2], arguments[1::2], strict=True))
+    named: dict[str, Any] = dict(zip((one.removeprefix("--") for one in arguments[::2]), arguments[1::2], strict=True))
     files = unpacked(recording)
-    if files is not None:
-        named["--engines"] = ()
-    elif "--restoring" not in named:
-        named |= {"--restoring": "spring", "--zero": "spring"}
-    options = DiagnoseOptions.chosen(ReadOptions(), **{name.removeprefix("--"): said for name, said in named.items()})
     if files is None:
+        options = _options({"restoring": "spring", "zero": "spring"} | named)
         with spooled(io.BytesIO(recording)) as path:
             result = answer(read_as("-", path, options.reading), options)
     else:
         for name, text in files.items():
             Path(name).write_text(text, encoding="utf-8")
-        read = [read_as(name, Path(name), options.reading) for name in files]
-        result = answer(read if len(read) > 1 else read[0], options)
+        options, out = _options({"engines": ()} | named), Path("answer")
+        recordings = [(Path(name), name) for name in files if name not in named.values()]
+        if len(recordings) > 1:
+            result = diagnose_together(recordings, options, out)
+        else:
+            result = diagnose(recordings[0][0], options, out)
     full = json.loads(result.model_dump_json(by_alias=True))
     kept = ("verdict", "statement", "baseline", "mechanisms", "refined", "attribution", "warnings")
     engines = {
@@ -68,6 +70,14 @@ def diagnosed(recording: bytes, arguments: Sequence[str]) -> dict[str, Any]:
         "posterior": full["posterior"],
     }
     return {name: full[name] for name in kept} | rest
+
+
+def _options(named: Mapping[str, Any]) -> DiagnoseOptions:
+    """Options by their names, as the command line has them."""
+    robot = {name: named[name] for name in ("joint",) if name in named}
+    rest = {name: said for name, said in named.items() if name not in ("robot", *robot)}
+    asked = RobotOptions.chosen(Path(named["robot"]), **robot) if "robot" in named else None
+    return DiagnoseOptions.chosen(ReadOptions(), robot=asked, **rest)
 
 
 def by_baseline(who: str, recording: bytes, arguments: Sequence[str]) -> dict[str, Any]:

@@ -32,7 +32,7 @@ from harness.core.errors import HarnessError, InputError
 from harness.io.store import held
 from harness.proof.beside import BASELINES
 from harness.proof.drawing import probes_of, sealed_answers
-from harness.proof.plan import FULL, MACHINES, SHORT, SHORT_MACHINES, SHORT_PATHS, Sizes, plan
+from harness.proof.plan import FULL, MACHINES, SHORT, SHORT_MACHINES, SHORT_PATHS, Sizes, on_ways, plan
 from harness.proof.seal import (
     LEDGER,
     PUBLISHED,
@@ -74,7 +74,7 @@ class ProveOptions:
         """As somebody chose: sizes by name, else the full ones, or the short ones; of machines, or of ``paths``
         recordings on all ways, without baselines."""
         if paths:
-            return cls(SHORT_PATHS if short else Sizes(0, 0, 0, 0, paths=paths), baselines=(), **rest)
+            return cls(SHORT_PATHS if short else on_ways(paths), baselines=(), **rest)
         if machines:
             return cls(SHORT_MACHINES if short else MACHINES, baselines=(), **rest)
         return cls(SHORT if short else replace(FULL, **given), **rest)

@@ -30,12 +30,18 @@ def of_contest(found: Contest) -> tuple[Hypothesis, ...]:
 
 
 def of_search(found: Search) -> tuple[Hypothesis, ...]:
-    """Which model explains what was recorded, of those that were fitted, most likely first."""
+    """Which model explains what was recorded, of those that were fitted, most likely first.
+
+    Of a fitted force no evidence counts beyond that of the model the search came to: what has more was refused, since
+    chance takes as much off a true model, or since it moves otherwise.
+    """
     gain = _gain(found)
     best: dict[tuple[str, ...], float] = {(): gain(found.base)}
+    ceiling = gain(found.chosen) if found.by_force else math.inf
     for one in (*found.singles, *found.rivals, found.chosen):
         names = key_of(one)
-        best[names] = max(best.get(names, -math.inf), gain(one) - 2.0 * len(names) * math.log(NAMES))
+        own = min(gain(one), ceiling) - 2.0 * len(names) * math.log(NAMES)
+        best[names] = max(best.get(names, -math.inf), own)
     if not found.problem.moves:
         for one in (found.base, *found.singles):
             names = key_of(one)

@@ -9,13 +9,16 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
+from harness.proof.paths import joints
 from harness.proof.paths.files import packed, written
 from harness.proof.paths.forms import (
     AXIS,
     CURVE,
     DECAY,
     DOWN,
+    FIRST,
     FORMS,
+    JOINT,
     NEEDS_BOTH,
     PATHS,
     SHAKEN,
@@ -54,7 +57,7 @@ def shapes_of(path: str) -> list[str]:
     """Shapes of the unknown effects that a way can show."""
     if path in (CURVE, DOWN):
         return ["f(v)"]
-    return [shape for shape in SHAPES if path not in (AXIS, SLOW) or shape != "f(t)"]
+    return [shape for shape in SHAPES if path not in (AXIS, SLOW, JOINT) or shape != "f(t)"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,7 +142,9 @@ def _logged(rng: Rng, rig: Rig, p: FloatArray, tables: FloatArray, about: Mappin
         t = None if one.path == CURVE else one.dt * np.arange(float(n))
         name = "recording.csv" if len(rigs) == 1 else f"repetition-{number + 1}.csv"
         turning = bool(one.b[4]) or one.path == "run-down"
-        files[name] = written(rng, t, channels, turning)
+        files[name] = (
+            joints.log(rng, t, channels) if t is not None and one.path == JOINT else written(rng, t, channels, turning)
+        )
         total += n
         first = clean[one.channels[-1] if one.driven or one.path == CURVE else one.channels[0]]
         sigma = one.sigma[2] if one.driven or one.path == CURVE else one.sigma[1 if one.channels == "a" else 0]
@@ -151,6 +156,9 @@ def _logged(rng: Rng, rig: Rig, p: FloatArray, tables: FloatArray, about: Mappin
         arguments = ["--restoring", _HELD[rig.path]]
         sprung = _HELD[rig.path] == "spring"
         arguments += ["--zero", "free" if rig.zero else "spring"] if sprung else []
+    if rig.path == JOINT:
+        model, arguments = joints.described(rng, rig, free)
+        files |= model
     m, c, k, f_k, _ = map(float, rig.b)
     base = {"mass": m, "c": c, "f_k": f_k} | ({"k": k} if k else {})
     if k:
@@ -172,11 +180,14 @@ def _stirred(rng: Rng, rig: Rig, channel: str, y: FloatArray, before: int) -> Fl
     return np.concatenate((held + sigma * rng.standard_normal(before), y[before:]))
 
 
-def ways(count: int, rng: Rng) -> list[tuple[str, str, str]]:
-    """Way, group and form of each recording: half controls, an eighth unknown; every way as often as any other."""
+def ways(count: int, rng: Rng, of: int = FIRST) -> list[tuple[str, str, str]]:
+    """Way, group and form of each recording: half controls, an eighth unknown; every way as often as any other.
+
+    of : how many of ``PATHS``, from the first.
+    """
     found, turn = [], 0
     for group, many in ((CONTROL, count // 2), (UNKNOWN, count // 8), (FORM, count - count // 2 - count // 8)):
-        order = [PATHS[int(i)] for i in rng.permutation(len(PATHS))]
+        order = [PATHS[int(i)] for i in rng.permutation(of)]
         deck: dict[str, list[str]] = {}
         for number in range(many):
             path = order[number % len(order)]

@@ -15,6 +15,7 @@ from harness.proof.paths.forms import (
     CURVE,
     DECAY,
     DOWN,
+    JOINT,
     SHAKEN,
     SLOW,
     SPRING,
@@ -31,6 +32,8 @@ NONE = np.zeros((3, plant.TABLE))
 BARE = np.zeros(plant.SIZE)
 """Numbers of no effect."""
 _NOISE = {"x": 0, "v": 0, "a": 1, "u": 2}
+_FAST = 1
+"""Place of the noise of a joint's speed, which is logged beside its position."""
 _SMALL = 1e-6
 WINDOWS = 12
 """In which the motion of an axis is followed, each from a start of its own."""
@@ -42,7 +45,8 @@ class Rig:
 
     b : m, c, k, f_k, and 1 of what swings. start : x and v. drive : of what moves it. held : whether its force is
     constant between samples. sigma : noise by channel of x, a, u. colour : of neighbouring samples. count : of an
-    encoder, 0 for noise. zero : of its x. channels : shown. rest : s before it is let go.
+    encoder, 0 for noise. zero : of its x. channels : shown. rest : s before it is let go. every : of a controller's
+    ticks one is logged.
     """
 
     path: str
@@ -60,20 +64,22 @@ class Rig:
     count: float = 0.0
     zero: float = 0.0
     rest: float = 0.0
+    every: int = 1
 
     @property
     def driven(self) -> bool:
         """Whether its force is measured."""
-        return self.path in (SPRING, SHAKEN, AXIS, SLOW)
+        return self.path in (SPRING, SHAKEN, AXIS, SLOW, JOINT)
 
     def run(self, p: FloatArray, tables: FloatArray = NONE, b: FloatArray | None = None,
             start: tuple[float, float] | None = None) -> FloatArray:  # fmt: skip
         """True motion (n, 5): x, v, a, u and work against friction."""
         b = self.b if b is None else b
-        if self.path == AXIS:
+        if self.path in (AXIS, JOINT):
             assert self.gains is not None
-            r, rv, ra = self.drive
-            return plant.controlled(r, rv, ra, self.numbers[0], self.gains, self.dt, self.fine, b, p, tables)
+            (r, rv, ra), tick = self.drive, self.dt / self.every
+            rows = plant.controlled(r, rv, ra, self.numbers[0], self.gains, tick, self.fine, b, p, tables)
+            return rows[:: self.every]
         if self.path == SLOW:
             (r, rv), (stiff, damp) = self.drive, self.numbers
             return plant.pushed(r, rv, stiff, damp, self.dt, self.fine, b, p, tables)
@@ -132,7 +138,7 @@ def loss(rig: Rig, p: FloatArray, tables: FloatArray = NONE) -> float:
     if rig.path == CURVE:
         off = _without(run[:, 3], [run[:, 1], np.sign(run[:, 1])])
         return 0.5 * float(np.sum((off / rig.sigma[2]) ** 2))
-    if rig.path in (AXIS, SLOW):
+    if rig.path in (AXIS, SLOW, JOINT):
         return _loss_in_windows(rig, run)
     seen = shown(rig, run, p)
     told = [(c, rig.sigma[_NOISE[c]]) for c in rig.channels if c != "u"]
@@ -222,7 +228,8 @@ def spoiled(rig: Rig, clean: dict[str, FloatArray], rng: Rng) -> dict[str, Float
             continue
         r = rig.colour if c != "u" else 0.0
         noise = lfilter([math.sqrt(1.0 - r * r)], [1.0, -r], rng.standard_normal(y.size + 50))[50:]
-        found[c] = y + rig.sigma[_NOISE[c]] * noise + (rig.zero if c == "x" else 0.0)
+        sigma = rig.sigma[_FAST if rig.driven and c == "v" else _NOISE[c]]
+        found[c] = y + sigma * noise + (rig.zero if c == "x" else 0.0)
     return found
 
 
@@ -232,12 +239,14 @@ def draw_rig(path: str, rng: Rng, both: bool = False) -> Rig:
         rig = _let_go(path, rng, both)
     elif path in (SPRING, SHAKEN):
         rig = _shaken(path, rng)
+    elif path == CURVE:
+        rig = _curve(rng, both)
     else:
-        rig = {AXIS: _axis, SLOW: _slow, DOWN: _run_down}[path](rng) if path != CURVE else _curve(rng, both)
+        rig = {AXIS: _axis, SLOW: _slow, DOWN: _run_down, JOINT: _joint}[path](rng)
     if path == CURVE:
         size = float(np.std(rig.run(BARE)[:, 3]))
         return replace(rig, channels="vu", sigma=(1.0, 1.0, size * 10.0 ** rng.uniform(-3.0, -1.8)))
-    return _with_sensors(rig, rng)
+    return rig if path == JOINT else _with_sensors(rig, rng)
 
 
 def _with_sensors(rig: Rig, rng: Rng) -> Rig:
@@ -326,6 +335,31 @@ def _axis(rng: Rng) -> Rig:
     ])  # fmt: skip
     b = np.array([m, c, 0.0, f_k, 0.0])
     return Rig(AXIS, b, dt, (0.0, 0.0), (r, rv, ra), True, 8, (count,), gains, "xu")
+
+
+def _joint(rng: Rng) -> Rig:
+    """A hinge under a controller on its encoder, gravity pulling at three of four: zero is where it hangs."""
+    inertia, omega = _between(rng, 0.02, 3.0), _between(rng, 2.0, 9.0) * float(rng.random() < 0.75)
+    every, tick = int(rng.choice([1, 2, 4, 8])), float(rng.choice([0.001, 0.002]))
+    n, travel = int(rng.integers(2500, 5000)), rng.uniform(0.5, 2.4)
+    fastest = min(1.9 * travel / (n * tick * every / rng.uniform(10.0, 24.0)), 6.0)
+    r, rv, ra = _moves(rng, tick * np.arange(float((n - 1) * every + 1)), travel, fastest)
+    top = inertia * float(np.max(np.abs(ra))) + inertia * omega**2 * math.sin(min(0.5 * travel, 0.5 * math.pi))
+    f_k = top * _between(rng, 0.08, 0.8)
+    c = f_k / fastest * _between(rng, 0.1, 1.0)
+    band, count = min(_between(rng, 20.0, 60.0), 0.12 / tick), 2.0 * math.pi / 2.0 ** int(rng.integers(14, 21))
+    gains = np.array([
+        inertia * (band**2 + omega**2), 1.6 * inertia * band, inertia * band**3 * rng.uniform(0.0, 0.15),
+        min(1.0, tick * 10.0 * band), inertia * float(rng.random() < 0.5), 0.8 * f_k * float(rng.random() < 0.3),
+        4.0 * (top + 2.0 * f_k + c * fastest), fastest,
+    ])  # fmt: skip
+    b = np.array([inertia, c, inertia * omega**2, f_k, float(omega > 0.0)])
+    channels = "xvu" if rng.random() < 0.5 else "xu"
+    rig = Rig(JOINT, b, tick * every, (0.0, 0.0), (r, rv, ra), True, 4, (count,), gains, channels, every=every)
+    run = rig.run(BARE)
+    noise = float(np.std(run[:, 3])) * (_between(rng, 3e-4, 2e-2) if rng.random() < 0.6 else 0.0)
+    sigma = count / math.sqrt(12.0), float(np.std(run[:, 1])) * _between(rng, 1e-3, 1e-2), noise
+    return replace(rig, sigma=sigma, count=count, zero=rng.uniform(-2.0, 2.0))
 
 
 def _slow(rng: Rng) -> Rig:

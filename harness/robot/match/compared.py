@@ -35,6 +35,8 @@ UNITS: Mapping[str, float] = {
     "ozf in": 141.6119,
 }
 """What one newton metre is in them."""
+_ALIKE = 2.0
+"""Standard errors within which a slope is one."""
 UNCHECKED = "neither gravity nor inertia shows in it: not checked"
 
 
@@ -97,6 +99,11 @@ class _Joint:
         return self.slope if self.slope is not None and self.slope.follows else None
 
     @property
+    def agrees(self) -> bool:
+        """Whether the model's torque shows in the log at its own size, however much else the torque holds."""
+        return self.slope is not None and self.slope.seen and abs(self.slope.value - 1.0) < _ALIKE * self.slope.error
+
+    @property
     def driving(self) -> bool:
         """Whether friction surely drives, which none does."""
         return self.lost < -SURE * self.lost_error
@@ -111,6 +118,8 @@ class _Joint:
     def strange(self, scale: float) -> bool:
         """Whether the model's torque times a scale would show, and does not."""
         found, against = self.whole, self.told is not None and self.told.value < 0.0
+        if self.agrees:
+            return False
         if (against and not self.turned) or self.left > 1.0 - CORRELATED.value**2:
             return True
         if found is None or self.told or found.follows or self.friction > BY_FRICTION.value:
