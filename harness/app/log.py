@@ -9,7 +9,7 @@ from harness.app.shared.deliver import write_text
 from harness.app.shared.leaving import curves_of
 from harness.core.errors import TRY, InputError
 from harness.core.recording import Recording
-from harness.diagnosis.moves.classify import classify
+from harness.diagnosis.moves.classify import classify, without_idle_force
 from harness.io.logs.finish import Gain
 from harness.io.logs.raw import LogOptions
 from harness.io.logs.read import describe_log, source_of
@@ -39,6 +39,7 @@ def log(path: Path, options: LogOptions | None = None, gain: Gain | None = None,
     if source_of(path).kind == "table" and not options.join:
         try:
             recording = read_recording(path, plain)
+            recording = without_idle_force(recording) if plain.columns is None else recording
         except InputError as error:
             recording = error
     topics: list[Topic] = []

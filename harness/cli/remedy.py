@@ -92,7 +92,8 @@ def _mended(words: Sequence[str], error: Exception, group: click.Group) -> list[
     """
     command = group.get_command(click.Context(group), words[1])
     options = [one for one in command.params if isinstance(one, click.Option)] if command else []
-    wrong = []
+    wrong: list[tuple[int, click.Option]] = []
+    filled: list[tuple[int, click.Option]] = []
     for option in options:
         at = [i for i, word in enumerate(words) if word.partition("=")[0] in option.opts]
         value = "".join(words[at[0]].partition("=")[2] or words[at[0] + 1 : at[0] + 2]) if at else ""
@@ -100,6 +101,10 @@ def _mended(words: Sequence[str], error: Exception, group: click.Group) -> list[
             if option.required or len(at) > 1:
                 return []
             wrong.append((at[0], option))
+        elif value and "--out" in option.opts and Path(value).is_dir() and any(Path(value).iterdir()):
+            filled = [(at[0], option)]
+    # what went into --out before another place would not do is there, and it takes no second result
+    wrong += filled if any(not _WRITES.isdisjoint(option.opts) for _, option in wrong) else []
     listed, kept = _LISTED.search(str(error)), list(words)
     if not wrong and isinstance(error, InputError) and (listing := _CHOICES.fullmatch(error.accepted)):
         choices = listing[1].split(", ")

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from harness.cli.main import run
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
+from harness.diagnosis.moves.classify import classify, without_idle_force
 
 T = np.arange(0.0, 20.0, 0.01)
 W = 2.0 * np.pi
@@ -61,6 +63,19 @@ CASES: dict[str, Callable[[], Recording]] = {
     "at-rest": lambda: noisy("a", np.random.default_rng(1).standard_normal(2000), 0.0),
     "not-mechanical": lambda: noisy("x", walk()),
 }
+
+
+@pytest.mark.parametrize("kind", ["free-decay", "run-down", "driven"])
+def test_a_load_cell_that_nothing_loads_does_not_drive_what_moves_freely(kind: str) -> None:
+    moved = CASES[kind]()
+    channels = {name: y for name, y in moved.channels.items() if name != "u"}
+    idle = 3.0 + 0.1 * np.random.default_rng(5).standard_normal(len(moved))
+    found = without_idle_force(replace(moved, channels={**channels, "u": idle}))
+    assert ("u" in found) == (kind == "driven")
+    assert classify(found).kind == kind
+    assert ("noise about" in " ".join(found.notes)) == (kind != "driven")
+    pushed = replace(moved, channels={**channels, "u": np.sin(W * moved.t)})
+    assert "u" in without_idle_force(pushed)
 
 
 @pytest.mark.parametrize("kind", CASES)

@@ -16,6 +16,7 @@ from harness.core.bounded import MEBIBYTE, MOST_BYTES
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
+from harness.diagnosis.moves.classify import without_idle_force
 from harness.estimate.means import ENOUGH, FINISHED, is_dense, means
 from harness.estimate.noise import Noise
 from harness.io.options import ReadOptions
@@ -32,7 +33,8 @@ def read(path: Path, options: ReadOptions, trace: str | None = None) -> Recordin
     """
     if trace is not None and path.suffix.lower() != ".rrd":
         raise InputError("--trace", f"given for {path}", "it goes with a .rrd of ours alone")
-    return read_recording(path, options, lambda file: _from_rrd(file, trace))
+    found = read_recording(path, options, lambda file: _from_rrd(file, trace))
+    return without_idle_force(found) if options.columns is None else found
 
 
 def read_sim(

@@ -61,10 +61,11 @@ _ROWS, _DOTS = 4, 4
 def _recording(found: "PreviewResult") -> None:
     say(f"{found.samples} samples at {found.rate_hz:.4g} Hz, {found.duration_s:.4g} s")
     say_motion(found.motion)
-    names = list(found.units)
-    rows = [[f"{found.first[name][k]:.6g}" for name in names] for k in range(len(found.first["t"]))]
-    rows.append([found.columns.get(name, "--rate") for name in names])
-    show_rows([f"{name} / {found.units[name]}" for name in names], [*rows[:-1], rows[-1]])
+    rows = []
+    for name, unit in found.units.items():
+        first = ", ".join(f"{value:.9g}" if name == "t" else f"{value:.6g}" for value in found.first[name])
+        rows.append([f"{name} / {unit}", first, found.columns.get(name, "by --rate")])
+    show_rows(("channel", "first samples", "read from"), rows, ("channel", "first samples", "read from"))
     for name, spans in found.envelope.items():
         low, high = found.ranges[name]
         say(f"{name} from {low:.4g} to {high:.4g} {found.units[name]}")

@@ -1,5 +1,7 @@
 """The kind of a motion from its numbers alone, before any fit: harness.diagnosis.moves.kinds."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from harness.core.recording import Recording
@@ -41,6 +43,33 @@ def classify(recording: Recording, restoring: Restoring | None = None) -> Moves:
     if free and rises(recording):
         return Moves(MotionKind.SPIN_UP, "its speed keeps one sign and rises")
     return _unsmooth(series) or (_placed(series, free) if name == "x" else None) or _swung(series)
+
+
+_FREE = (MotionKind.FREE_DECAY, MotionKind.SEVERAL_DECAYS, MotionKind.RUN_DOWN)
+
+
+def without_idle_force(recording: Recording) -> Recording:
+    """A recording without a force that is noise about a level while it swings or runs down: nothing drives it there.
+
+    What noise shakes does not become smaller with each half-cycle.
+    """
+    if recording.steady or "u" not in recording or not np.ptp(recording["u"]):
+        return recording
+    force = Series.of(recording.t, recording["u"])
+    if force.smooth or force.memory > _SHORT:
+        return recording
+    column, level = recording.columns.get("u", "u"), float(np.mean(recording["u"]))
+    said = (
+        f"The force, {column}, is noise about {level:.3g} while it moves freely: not used; u in --columns has it act."
+    )
+    free = replace(
+        recording,
+        channels={name: values for name, values in recording.channels.items() if name != "u"},
+        columns={name: product for name, product in recording.columns.items() if name != "u"},
+        units={name: unit for name, unit in recording.units.items() if name != "u"},
+        notes=(*recording.notes, said),
+    )
+    return free if classify(free).kind in _FREE else recording
 
 
 def _forced(series: Series, name: str) -> Moves:
