@@ -32,21 +32,25 @@ def say_diagnosis(result: "DiagnosisResult") -> None:
         show_repeated(result.together)
         say_all(f"{Path(one.file).name}: {line}" for one in result.own for line in one.differs)
     if graded := [m for m in result.mechanisms if m.grade != "explains"]:
-        rows = [
-            (
-                m.name,
-                m.grade,
-                figure(m.probability, ".2f"),
-                figure(m.share, ".0f", " %", 100.0),
-                _ratio(m.holdout),
-                _ratio(m.forward),
-            )
-            for m in graded
-        ]
-        show_rows(("mechanism", "grade", "P", "of misfit", "held out", "free run"), rows, ("mechanism", "grade"))
+        columns: dict[str, list[str]] = {
+            "mechanism": [m.name for m in graded],
+            "grade": [m.grade for m in graded],
+            "P": [figure(m.probability, ".2f") for m in graded],
+            "of misfit": [figure(m.share, ".0f", " %", 100.0) for m in graded],
+            "held out": [_ratio(m.holdout) for m in graded],
+            "free run": [_ratio(m.forward) for m in graded],
+        }
+        shown = {name: cells for name, cells in columns.items() if set(cells) != {"-"}}
+        show_rows(tuple(shown), zip(*shown.values(), strict=True), ("mechanism", "grade"))
         say("P: probability of being the main effect")
         say("of misfit: share of the mean square beyond noise that it explains alone")
-        say("held out: error after over before, blocks of cycles; free run: the last 40 %")
+        over = {
+            "held out": "held out: error after over before, blocks of cycles",
+            "free run": "free run: the last 40 %",
+        }
+        ratios = "; ".join(said for name, said in over.items() if name in shown)
+        if ratios:
+            say(ratios)
     if result.holdout.given:
         say(f"- held out: {_held_out(result)}; {', '.join(result.holdout.given)} given, not predicted")
     for mechanism in result.mechanisms:

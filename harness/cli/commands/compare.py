@@ -83,10 +83,15 @@ def _print(result: "CompareResult") -> None:
     say(_plain(headline))
     say(f"shift {with_error(result.aligned.shift_s)}")
     show_rows(("", *result.traces, "difference / its error"), [[label, *map(_plain, cells)] for label, cells in rows])
+    turned = "rad" in result.largest.unit
+    units = {"x": "rad", "v": "rad/s", "a": "rad/s^2"} if turned else {"x": "m", "v": "m/s", "a": "m/s^2"}
     said = {channel: noise if isinstance(noise, str) else f"{noise:.4g}" for channel, noise in result.noise.items()}
     show_rows(
         ("channel", "fit / %", "rms difference", "noise"),
-        [[c, f"{result.fit_percent[c]:.1f}", f"{rmse:.4g}", said[c]] for c, rmse in result.rmse.items()],
+        [
+            [f"{c} / {units[c]}", f"{result.fit_percent[c]:.1f}", f"{rmse:.4g}", said[c]]
+            for c, rmse in result.rmse.items()
+        ],
     )
     for where in result.where:
         if where.regime != "throughout":

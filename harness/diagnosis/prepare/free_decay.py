@@ -109,17 +109,26 @@ def together(recordings: Sequence[Recording], asked: Asked) -> tuple[Together, t
     widest = max(asked_alone, key=lambda one: float(np.ptp(one[0].channels[common[0]])))[0]
     zero_free = any(problem.zero_free for problem, _ in asked_alone)
     alike = replace(asked, restoring=widest.restoring, zero_free=zero_free)
-    notes: list[str] = []
+    notes: list[tuple[str, str]] = []
     each: list[FreeDecay] = []
     for one, prepared in zip(recordings, asked_alone, strict=True):
         held_so = (prepared[0].restoring, prepared[0].zero_free) == (widest.restoring, zero_free)
         problem, done = prepared if held_so else _alone(one, alike, common)
-        notes += [f"in {one.file}: {note}" for note in done]
+        notes += [(one.file, note) for note in done]
         left_out = [c for c in ("x", "v", "a") if c in one and c not in common]
-        notes += [f"in {one.file}: {c} is not used: not every recording has it" for c in left_out]
+        notes += [(one.file, f"{c} is not used: not every recording has it") for c in left_out]
         # its clock begins where it is let go
         each.append(replace(problem, t=problem.t - problem.t[0], zero_chosen=widest.zero_chosen))
-    return Together.laid(each), tuple(notes)
+    return Together.laid(each), said_once(notes, len(recordings))
+
+
+def said_once(notes: Sequence[tuple[str, str]], count: int) -> tuple[str, ...]:
+    """Notes, each with the file that it is on, once for all files of which it is true. count : of the recordings."""
+    files: dict[str, dict[str, None]] = {}
+    for file, note in notes:
+        files.setdefault(note, {})[file] = None
+    every = "each of the recordings"
+    return tuple(f"in {every if len(of) == count > 1 else ' and '.join(of)}: {note}" for note, of in files.items())
 
 
 def in_common(recordings: Sequence[Recording]) -> list[str]:

@@ -14,7 +14,7 @@ from harness.core.recording import Recording
 from harness.diagnosis.moves.classify import classify
 from harness.diagnosis.moves.falling import falls
 from harness.diagnosis.moves.kinds import MotionKind
-from harness.diagnosis.prepare.free_decay import in_common
+from harness.diagnosis.prepare.free_decay import in_common, said_once
 from harness.diagnosis.problems.run_down import RunDown
 from harness.diagnosis.problems.run_downs_together import RunDownsTogether
 from harness.diagnosis.request import Asked
@@ -83,15 +83,15 @@ def run_downs_together(recordings: Sequence[Recording], asked: Asked) -> tuple[R
         found = f"{swings[0]} does not run down, as another recording does"
         raise InputError("--together", found, "run-downs, or swings, or driven recordings, not both")
     common = in_common(recordings)
-    each, notes = [], []
+    each, notes = [], list[tuple[str, str]]()
     for one in recordings:
         shared = replace(one, channels={c: one[c] for c in common})
         problem, done = run_down_problem(shared, asked)
         each.append(replace(problem, t=problem.t - problem.t[0]))
-        notes += [f"in {one.file}: {note}" for note in done if note not in (ONE_WAY, RATIOS)]
+        notes += [(one.file, note) for note in done if note not in (ONE_WAY, RATIOS)]
     laid = RunDownsTogether.laid(each)
     said = (*(() if laid.both_ways else (ONE_WAY_ALL,)), *(() if asked.mass else (RATIOS,)))
-    return laid, (*notes, *said)
+    return laid, (*said_once(notes, len(recordings)), *said)
 
 
 def runs_down(recording: Recording, restoring: Restoring | None) -> bool:

@@ -76,7 +76,7 @@ def rows_of(result: CompareResult) -> list[tuple[str, list[str]]]:
     rows = []
     for what in _READ:
         far = apart.get(what)
-        cells = [figure_words(getattr(one, what)) for one in readings]
+        cells = [NONE if (p := getattr(one, what)).value is None else figure_words(p) for one in readings]
         rows.append((what, [*cells, NONE if far is None else number(far, 2)]))
     return [*rows, ("events", [*(str(len(one.events)) for one in readings), NONE])]
 
