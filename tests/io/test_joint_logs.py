@@ -365,3 +365,13 @@ def test_the_robot_recordings(recordings: Path) -> None:
     assert len(arm.joints) == 6
     assert not arm.effort
     assert any("comes in steps of 0.0767 rad/s" in note for note in arm.notes)
+
+
+def test_seconds_and_nanoseconds_of_a_header_are_one_time(tmp_path: Path) -> None:
+    """As a bag that was flattened to columns has them; a gap is longer than any second."""
+    ns = 1_700_000_000_250_000_000 + np.round(1e9 * np.where(ONE.t > ONE.t.mean(), ONE.t + 7.0, ONE.t)).astype(int)
+    clock = {"header.stamp.sec": ns // 10**9, "header.stamp.nanosec": ns % 10**9}
+    found = read_joint_log(csv(tmp_path / "flat.csv", {**clock, **ONE.columns()}))
+    np.testing.assert_allclose(found.t - found.t[0], 1e-9 * (ns - ns[0]), atol=1e-8)
+    assert found.t.size == ONE.t.size
+    assert not any("nanosec" in note for note in found.notes)

@@ -1,5 +1,6 @@
 """A log from the columns of a table."""
 
+import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -101,6 +102,19 @@ def time_of(table: Table) -> tuple[Mapping | None, str | None]:
     return Mapping("t", (f"#{position + 1}",), 1.0, None if position in table.units else unit), note
 
 
+_REST = "rest of t"
+_SECONDS = re.compile(r"(?:^|[._/])(?P<sec>secs?)$")
+
+
+def _nanoseconds_beside(table: Table, clock: Mapping | None) -> Mapping | None:
+    """The column of nanoseconds beside one of whole seconds, as a message's header has them; None where none is."""
+    name = table.names[table.position(clock.names[0])] if clock is not None and len(clock.names) == 1 else ""
+    found = _SECONDS.search(name)
+    ends = [name[: found.start("sec")] + one for one in ("nanosec", "nsecs", "nsec")] if found else []
+    at = next((i for i, other in enumerate(table.names) if other in ends), None)
+    return None if at is None else Mapping("t", (f"#{at + 1}",))
+
+
 MIXED = "the units of their headers"
 """Where columns of one field came in several units."""
 NEEDED = "columns t and NAME.position, NAME.velocity, NAME.effort (or position[0], x1_rad, actual_q_0, q1)"
@@ -142,7 +156,13 @@ def raw_of(table: Table, options: LogOptions) -> Raw:
     asked = {str(i): _with_unit(table, target, options) for i, target in enumerate(targets)}
     if clock is not None:
         asked["t"] = clock
+    rest = _nanoseconds_beside(table, clock)
+    if rest is not None:
+        asked[_REST], note = rest, None
     read = products(table, asked)
+    if rest is not None:
+        (seconds, unit), (nanoseconds, _) = read["t"], read.pop(_REST)
+        read["t"] = seconds - seconds[0] + 1e-9 * nanoseconds, unit
     sizes = {values.size for values, _ in read.values()}
     if len(sizes) > 1:
         found = f"columns of {min(sizes)} to {max(sizes)} values"
