@@ -82,7 +82,7 @@ _NEAR = 3.5
 
 _REACH = 2.0
 """Correlation times over which partials and a coloured residual may go together."""
-_HASTY = 1e-5
+HASTY = 1e-5
 """Of chi-square: a hasty descent that gains less in a step is near enough to be compared."""
 
 
@@ -212,15 +212,17 @@ def fit(
     iterations: int = 40,
     effort: Effort = FINE,
     thorough: bool = True,
+    share: float = HASTY,
 ) -> Fit:
     """Fit the free numbers of a model, starting from its own values.
 
     An acceleration jumps at a reversal, so chi-square has a step wherever an event passes a sample, and a descent stops
     before the first. With ``thorough``, where a sample next to an event seems to lie on its wrong side, it is made
-    without those samples too, and from the best of several points that this leaves open with all of them.
+    without those samples too, and from the best of several points that this leaves open with all of them. share : of
+    chi-square, that a step must gain to be followed by another where it is not.
     Raises SimulationError when even the start cannot be simulated.
     """
-    found = _descend(model, problem, free, scales, iterations, effort, 0.0 if thorough else _HASTY)
+    found = _descend(model, problem, free, scales, iterations, effort, 0.0 if thorough else share)
     if not thorough or not _misplaced(found, problem):
         return found
     smooth = found

@@ -17,7 +17,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
-from harness.diagnosis.fit.model_fit import Fit, fit
+from harness.diagnosis.fit.model_fit import HASTY, Fit, fit
 from harness.diagnosis.fit.rmse import motion_followed
 from harness.diagnosis.problems.inverse import InverseDynamics, Q
 from harness.diagnosis.problems.measured import Measured
@@ -91,25 +91,31 @@ class _Moved:
         return replace(problem, channels=channels, drive=replace(drive, u=force))
 
 
+_STEP = 0.01
+"""Of what decides: a descent whose step gains less would need twice its most steps to come to it."""
+
+
 def beyond_chance(
     better: Sequence[tuple[Fit, float]],
     current: Fit,
     problem: Q,
     scales: Scales,
-    further: Callable[[Fit, Q], Iterator[Fit]],
+    further: Callable[[Fit, Q, float], Iterator[Fit]],
 ) -> list[Fit]:
     """Of fits, each with the squares of force, N^2 a value, that chance may take: those of which it takes less.
 
     Chance takes what the best of ``further`` takes off a true model, the most of some draws. That is never more than a
-    draw leaves: one that leaves too little to decide is not searched, and no search goes on when all is decided.
+    draw leaves: one that leaves too little to decide is not searched, and no search goes on when all is decided. What
+    decides is far more than a hasty fit looks for: a descent ends where many of its steps would not come to it.
     All of them where the model cannot be simulated: then it says nothing of what chance does.
     """
     with suppress(SimulationError):
         for before, drawn in draws(current, problem, scales, NULL_DRAWS.count):
             size = before.residual.size
-            if before.chi2 / size < min(most for _, most in better):
+            decides = size * min(most for _, most in better)
+            if before.chi2 < decides:
                 continue
-            for after in further(before, drawn):
+            for after in further(before, drawn, max(_STEP * decides / before.chi2, HASTY)):
                 better = [(found, most) for found, most in better if before.chi2 - after.chi2 < size * most]
                 if not better:
                     return []

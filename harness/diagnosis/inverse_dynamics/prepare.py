@@ -15,7 +15,7 @@ from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
 from harness.diagnosis.covariates.following import enter
 from harness.diagnosis.covariates.values import Acting, values_in
-from harness.diagnosis.fit.model_fit import fit
+from harness.diagnosis.fit.model_fit import HASTY, fit
 from harness.diagnosis.inverse_dynamics.search import force_baseline, with_one_more
 from harness.diagnosis.parameters import free_of
 from harness.diagnosis.prepare.driven import forced_problem
@@ -74,7 +74,7 @@ def with_unseen_mass(problem: InverseDynamics) -> InverseDynamics:
     a = float(np.sqrt(np.mean(measured.blocks(measured.a) ** 2)))
     if a <= 0.0:
         return problem
-    best = min((base, *with_one_more(base, problem, scales, thorough=False)), key=lambda found: found.chi2)
+    best = min((base, *with_one_more(scales, base, problem, HASTY)), key=lambda found: found.chi2)
     mass = MASS_UNSEEN.value * float(np.sqrt(np.mean(best.residual**2))) / a
     if best.model.m >= mass:
         return problem

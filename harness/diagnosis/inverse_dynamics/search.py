@@ -123,7 +123,7 @@ def _grown(
 ) -> tuple[Fit, list[Fit], list[Fit], list[Fit]]:
     """The model that the search comes to, one law more at a time; single laws, the last step's rivals, and the path."""
     chosen, singles, rivals, path = ground, [ground], [ground], [base, *([] if ground is base else [ground])]
-    further = partial(with_one_more, scales=scales, thorough=False)
+    further = partial(with_one_more, scales)
     least = min(MOVES.value, _followed(base, problem, scales))
     for _ in range(MOST_FORCE_TERMS.count):
         found = extended(chosen, problem, scales)
@@ -209,7 +209,7 @@ def _refitted(found: Fit, problem: InverseDynamics, scales: Scales) -> Iterator[
 def extended(current: Fit, problem: InverseDynamics, scales: Scales) -> list[Fit]:
     """Fits with one more law, the best of each, best first by evidence."""
     best: dict[str, Fit] = {}
-    for found in with_one_more(current, problem, scales, thorough=True):
+    for found in with_one_more(scales, current, problem):
         key = found.model.terms[-1].term.key
         if key not in best or found.chi2 < best[key].chi2:
             best[key] = found
@@ -219,12 +219,12 @@ def extended(current: Fit, problem: InverseDynamics, scales: Scales) -> list[Fit
     return sorted(best.values(), key=lambda f: f.bic_of(independent))
 
 
-def with_one_more(current: Fit, problem: InverseDynamics, scales: Scales, thorough: bool) -> Iterator[Fit]:
-    """Fits with one more law, each from its best probes. thorough : see ``fit``."""
+def with_one_more(scales: Scales, current: Fit, problem: InverseDynamics, share: float = 0.0) -> Iterator[Fit]:
+    """Fits with one more law, each from its best probes. share : that a step must gain; 0 for a thorough fit."""
     base = base_of(current.free)
     for model in starts(current, problem, scales):
         with suppress(SimulationError):
-            found = fit(model, problem, free_of(model, base), scales, thorough=thorough)
+            found = fit(model, problem, free_of(model, base), scales, thorough=share == 0.0, share=share)
             if whole_in(found.model, problem.measured):
                 yield found
 
