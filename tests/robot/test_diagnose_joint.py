@@ -13,6 +13,7 @@ import pytest
 from benchmarks.draws import robot_joints
 from harness.app.diagnose.many import diagnose
 from harness.app.diagnose.options import DiagnoseOptions, RobotOptions
+from harness.cli.main import run
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.core.robot.joint_log import JointLog
@@ -301,3 +302,17 @@ def test_a_joint_that_swings_has_no_slips() -> None:
     q = 0.3 * np.sin(2.0 * t) + 2e-5 * np.random.default_rng(0).standard_normal(t.size)
     assert slips(JointLog(t, {"j": q}, effort={"j": np.cos(t)}), Reduced("j", 0.4, 0.0, b=5.0)) is None
     assert slips(JointLog(t, {"j": q}), Reduced("j", 0.4, 0.0, b=5.0)) is None
+
+
+def test_a_table_in_another_language_ends_in_columns_of_the_one_joint(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    body = '<body><joint name="elbow" axis="0 1 0"/><geom size="0.1" mass="1" pos="0 0 -0.2"/></body>'
+    (tmp_path / "arm.xml").write_text(f"<mujoco><worldbody>{body}</worldbody></mujoco>")
+    t = np.arange(0.0, 4.0, 0.02)
+    rows = [f"{a:.3f};{30.0 * np.sin(2.0 * a):.4f};{2.0 * np.sin(2.0 * a + 1.0):.4f}".replace(".", ",") for a in t]
+    (tmp_path / "log.csv").write_text("\n".join(["Zeit [s];Winkel Ellbogen [°];Drehmoment Ellbogen [Nm]", *rows]))
+    assert run(["diagnose", str(tmp_path / "log.csv"), "--robot", str(tmp_path / "arm.xml")]) == 2
+    said = capsys.readouterr().err
+    columns = "t='Zeit [s]'[s],elbow.position='Winkel Ellbogen [°]'[°],elbow.effort='Drehmoment Ellbogen [Nm]'[Nm]"
+    assert f'Try: harness diagnose {tmp_path / "log.csv"} --robot {tmp_path / "arm.xml"} --columns "{columns}"' in said

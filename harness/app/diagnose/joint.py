@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,13 +17,15 @@ from harness.app.diagnose.servo import diagnose_servo
 from harness.app.diagnose.whole_arm import diagnose_arm
 from harness.app.shared.progress import SILENT, Progress
 from harness.core.arrays import FloatArray
-from harness.core.errors import InputError, SimulationError
+from harness.core.errors import TRY, InputError, SimulationError
 from harness.core.robot.joint_log import JointLog
 from harness.diagnosis.kinds.known import kind_of
 from harness.engines.friction_file import friction_file
 from harness.engines.model_files import FRICTION
 from harness.io.logs.read import read_joint_log
+from harness.io.logs.tables import NO_POSITION
 from harness.io.options import ReadOptions
+from harness.io.recording import read_recording
 from harness.model.model import Restoring
 from harness.results.diagnosis import DiagnosisResult
 from harness.robot.arm import Arm, load_arm
@@ -104,10 +107,33 @@ def _gains(asked: RobotOptions, joints: Sequence[str]) -> dict[str, float]:
     return {} if gain is None else dict(gain) if isinstance(gain, Mapping) else dict.fromkeys(joints, gain)
 
 
+_FIELD = {"x": "position", "v": "velocity", "u": "effort"}
+
+
 def _read(
     path: Path, joints: Sequence[str], asked: RobotOptions, gains: Mapping[str, float], reading: ReadOptions
 ) -> JointLog:
-    """Read a log; joints : those of the model, in its order. Raises InputError naming what is wrong, and where."""
+    """Read a log; joints : those of the model, in its order. Raises InputError naming what is wrong, and where; with
+    columns to paste, where one joint is meant and the table reads as one motion.
+    """
+    try:
+        return _as_asked(path, joints, asked, gains, reading)
+    except InputError as error:
+        joint = asked.joint if asked.joint in joints else joints[0] if len(joints) == 1 else None
+        if reading.columns is not None or joint is None or NO_POSITION not in error.found:
+            raise
+        with suppress(InputError):
+            found = read_recording(path, reading).columns
+            named = {"t": "t"} | {channel: f"{joint}.{field}" for channel, field in _FIELD.items()}
+            text = ",".join(f"{named[c]}={product}" for c, product in found.items() if c in named)
+            _as_asked(path, joints, asked, gains, replace(reading, columns=text))
+            error = InputError(error.where, error.found, f'{TRY}--columns "{text}"')
+        raise error from None
+
+
+def _as_asked(
+    path: Path, joints: Sequence[str], asked: RobotOptions, gains: Mapping[str, float], reading: ReadOptions
+) -> JointLog:
     return read_joint_log(
         path,
         columns=reading.columns,

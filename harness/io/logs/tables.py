@@ -115,6 +115,8 @@ def _nanoseconds_beside(table: Table, clock: Mapping | None) -> Mapping | None:
     return None if at is None else Mapping("t", (f"#{at + 1}",))
 
 
+NO_POSITION = "no joint's position"
+"""What is wrong with a table whose columns name none."""
 MIXED = "the units of their headers"
 """Where columns of one field came in several units."""
 NEEDED = "columns t and NAME.position, NAME.velocity, NAME.effort (or position[0], x1_rad, actual_q_0, q1)"
@@ -148,7 +150,7 @@ def raw_of(table: Table, options: LogOptions) -> Raw:
         clock, note = (clock if said is None and options.rate is None else said), None
         numbered = False
     if not any(target.field == "position" for target in targets):
-        found = f"no joint's position among the columns {table.listed()}"
+        found = f"{NO_POSITION} among the columns {table.listed()}"
         raise InputError(str(table.path), found, f'{NEEDED}, or --columns "t=...,NAME.position=..."')
     if clock is None and options.rate is None:
         found = f"no time among the columns {table.listed()}"
