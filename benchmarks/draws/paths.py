@@ -13,7 +13,7 @@ from benchmarks.draws.shared import Answer
 from harness.app.prove.blind_worker import answered
 from harness.proof.paths.forms import PATHS
 from harness.proof.paths.made import CONTROL, FORM, UNKNOWN, forms_of, made, shapes_of
-from harness.proof.paths.score import outcome, right
+from harness.proof.paths.score import changes, outcome, right
 from harness.proof.tally import OURS
 
 NAMES = {path.replace(" ", "-"): path for path in PATHS}
@@ -38,5 +38,6 @@ def answer(seed: int, number: int, *, path: str) -> Answer:
     }
     likely = [(" + ".join(h["names"]), round(h["probability"], 2)) for h in said["posterior"][:3]]
     names = [m["name"] for m in said["mechanisms"]]
-    what = f"{outcome(one.answer, said)}, {said['verdict']} {names}, {likely}, errors {off}"
+    changed = f", to change {sorted(changes(said))} of {one.answer['changes']}" if "changes" in one.answer else ""
+    what = f"{outcome(one.answer, said)}, {said['verdict']} {names}, {likely}, errors {off}{changed}"
     return Answer(right(one.answer, said), about + what)

@@ -2,19 +2,25 @@
 
 python -m benchmarks.servo_logs [--draws 40] [--seed 1]
 
-The plant is benchmarks.servo_logs.plant, which shares no code with the fit: quantised encoder and duty, a supply that
-sags, delays, friction by load or larger at rest in two thirds. Each joint is fitted on 40 s of leading and run freely
-through 15 s of another motion. Foretold: rms error at most 1.3 times that of noise and quantisation alone. f_k is asked
-within 6 % where the log's own standard error is at most 3 %; else the log must say that it is weak.
+The plant is that of the proof (harness.proof.paths), which shares no code with the fit: quantised encoder and duty, a
+supply that sags, delays, friction by load or larger at rest in two thirds. Each joint is fitted on 40 s of leading and
+run freely through 15 s of another motion. Foretold: rms error at most 1.3 times that of noise and quantisation alone.
+f_k is asked within 6 % where the log's own standard error is at most 3 %; else the log must say that it is weak.
 """
 
 import argparse
+import math
 import sys
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.stats import binomtest
 
-from benchmarks.servo_logs.plant import Array, Joints, drawn, goals, moved
+from harness.core.arrays import FloatArray
+from harness.proof.paths import plant
+from harness.proof.paths.forms import SERVO
+from harness.proof.paths.joints import ROTOR
+from harness.proof.paths.rigs import VOLTS, Rig, draw_rig, goals, spoiled
 from harness.robot.servo.fit import Logs
 from harness.robot.servo.plant import Run
 from harness.robot.servo.presets import preset
@@ -22,22 +28,37 @@ from harness.robot.servo.servo import identified
 
 RATES, FITTED, FORETOLD = (30.0, 50.0), 40.0, 15.0
 GAIN, NEAR, FLOOR, TOLD = 16.0, 0.06, 1.3, 0.03
-Moved = tuple[Array, Array, Array, Array]
+KINDS = ("plain", "rest", "load")
 
 
-def motion(joints: Joints, rate: float, seconds: float, rng: np.random.Generator) -> Moved:
-    """t (n,), goals, logged and true positions (n, m)."""
-    t = np.arange(0.0, seconds, 1.0 / rate)
-    goal = goals(t, joints.f_k.size, rng)
-    return t, goal, *moved(joints, t, goal, rng)
+@dataclass(frozen=True)
+class Joint:
+    """rig : with goals of its own. p : what else its friction and its supply have. kind : of ``KINDS``."""
 
+    rig: Rig
+    p: FloatArray
+    kind: str
 
-def run_of(joints: Joints, m: int, of: Moved) -> Run:
-    """The log of one joint."""
-    t, goal, seen, _ = of
-    sine, cosine = joints.gravity[m] * np.cos(joints.rest[m]), -joints.gravity[m] * np.sin(joints.rest[m])
-    load = np.tile((joints.inertia[m], sine, cosine), (t.size, 1))
-    return Run(t, seen[:, m], goal[:, m], np.full(t.size, 7.4), np.ones(t.size), load, GAIN)
+    @classmethod
+    def drawn(cls, rng: np.random.Generator, rate: float) -> "Joint":
+        """About as an arm has them."""
+        rig, p = replace(draw_rig(SERVO, rng), dt=1.0 / rate, every=round(1000.0 / rate)), np.zeros(plant.SIZE)
+        p[plant.SAG], kind = rng.uniform(0.0, 0.05), KINDS[int(rng.integers(3))]
+        if kind == "rest":
+            p[plant.STRIBECK], p[plant.STRIBECK_V] = rng.uniform(0.2, 0.6) * rig.b[3], rng.uniform(0.05, 0.3)
+        elif kind == "load":
+            p[plant.GEAR], p[plant.GEAR_U] = rng.uniform(0.05, 0.2), 1e-3 * rig.b[2]
+        return cls(rig, p, kind)
+
+    def run(self, seconds: float, rng: np.random.Generator) -> tuple[Run, float]:
+        """A log of another motion, and rms of the sensor's noise and steps in it, rad."""
+        t: FloatArray = np.arange(round(seconds / self.rig.dt)) * self.rig.dt
+        rig = replace(self.rig, drive=(goals(t, rng),))
+        x = rig.run(self.p)[:, 0]
+        seen = spoiled(rig, {"x": x}, rng)["x"]
+        model = (1.0 - ROTOR) * rig.b[0], rig.b[2] * math.cos(rig.zero), -rig.b[2] * math.sin(rig.zero)
+        run = Run(t, seen, rig.drive[0], np.full(t.size, VOLTS), np.ones(t.size), np.tile(model, (t.size, 1)), GAIN)
+        return run, float(np.sqrt(np.mean((seen - x - rig.zero) ** 2)))
 
 
 def counted(what: str, right: int, of: int) -> None:
@@ -54,25 +75,22 @@ def main(words: list[str]) -> int:
     parser.add_argument("--seed", type=int, default=1)
     asked = parser.parse_args(words)
     rng = np.random.default_rng(asked.seed)
-    joints = drawn(asked.draws, rng)
-    of = {rate: (motion(joints, rate, FITTED, rng), motion(joints, rate, FORETOLD, rng)) for rate in RATES}
     ratios, plain, off, told = [], [], [], []
     for m in range(asked.draws):
         rate = RATES[m % 2]
-        fitted, other = of[rate]
-        found = identified([run_of(joints, m, fitted)], preset("sts3215"), loaded=True)
-        best, logs = found.best, Logs.of([run_of(joints, m, other)], found.best.logs.known)
-        floor = float(np.sqrt(np.mean((other[2][:, m] - other[3][:, m]) ** 2)))
+        joint = Joint.drawn(rng, rate)
+        fitted, (other, floor) = joint.run(FITTED, rng)[0], joint.run(FORETOLD, rng)
+        found = identified([fitted], preset("sts3215"), loaded=True)
+        best, logs, f_k = found.best, Logs.of([other], found.best.logs.known), float(joint.rig.b[3])
         ratios.append(best.under(logs).rms / floor)
         plain.append(found.found.base.under(logs).rms / floor)
-        off.append(best.values["f_k"] / joints.f_k[m] - 1.0)
+        off.append(best.values["f_k"] / f_k - 1.0)
         told.append(best.errors["f_k"] <= TOLD * best.values["f_k"])
-        kind = "load" if joints.load[m] else "rest" if joints.f_s[m] > joints.f_k[m] else "plain"
         names = ", ".join(step.term.name for step in found.found.steps) or "-"
         print(
             f"{m:3d} {rate:3.0f} Hz, floor {1e3 * floor:.2f} mrad: {1e3 * floor * plain[-1]:.2f} (x {plain[-1]:.2f})"
             f" by Coulomb alone, {1e3 * floor * ratios[-1]:.2f} (x {ratios[-1]:.2f}); f_k {100 * off[-1]:+.1f} %"
-            f" {'told' if told[-1] else 'weak'}; friction {kind}: {names}",
+            f" {'told' if told[-1] else 'weak'}; friction {joint.kind}: {names}",
             flush=True,
         )
     near = [abs(one) <= NEAR for one, sure in zip(off, told, strict=True) if sure]

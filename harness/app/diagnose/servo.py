@@ -30,7 +30,7 @@ from harness.robot.servo.logged import run_of, servo_joint
 from harness.robot.servo.paste import ServoPaste, bam, pasted
 from harness.robot.servo.plant import Run
 from harness.robot.servo.presets import Preset, preset
-from harness.robot.servo.search import Step
+from harness.robot.servo.search import TERMS, Step, Term
 from harness.robot.servo.servo import Servo, identified
 from harness.robot.servo.told import confounded, dry_friction, floor, quantities, unit_of, verdicts
 from harness.show.report.servo import servo_page
@@ -242,7 +242,7 @@ def _result(
             "parameters": {name: P.of(q) for name, q in after.items()},
             "stall": P.of(total),
             "stiffness": P.of(pull),
-            "terms": [_term(step, scale) for step in found.steps],
+            "terms": [_term(step, best, scale) for step in found.steps],
             "fitted": fitted,
             "held_out": out,
             "floor_mrad": 1e3 * least,
@@ -254,6 +254,9 @@ def _result(
     )
     clean = best.rms <= _NEAR_FLOOR * least
     verdict = ("missing_physics" if clean else "main_effect") if found.steps else "adequate" if clean else "unexplained"
+    ties = _ties(found.steps)
+    if ties:
+        verdict = "one_of"
     span = [[0.0, float(run.t[-1] - run.t[0])]]
     held = [{"x": _mean_square(one)} if one else {} for one in (found.before, found.after)]
     inertia = float(np.mean(run.load[:, 0])) if case.arm is not None else 0.0
@@ -267,10 +270,13 @@ def _result(
         settings=case.options.settings(),
         command=command,
         verdict=verdict,
-        statement=_statement(own, best, least),
+        statement=_statement(own, best, least) + _not_told(ties, found.steps),
         baseline={"parameters": before, "rmse": {"x": base.rms}, "chi2_per_point": None},
         refined={"parameters": after, "rmse": {"x": best.rms}, "chi2_per_point": None},
-        mechanisms=[_mechanism(step, scale, span, i) for i, step in enumerate(found.steps)],
+        mechanisms=[
+            _mechanism(step, best, scale, span, _grade(found.steps, i, clean)) for i, step in enumerate(found.steps)
+        ]
+        + [_tied(term, gain, span) for term, gain in ties],
         rules=[],
         holdout={"spans_s": [], "baseline_rmse": held[0], "refined_rmse": held[1]},
         evidence=[{"name": name, "delta_bic": gain} for name, gain in found.tried.items()],
@@ -301,8 +307,8 @@ def _mean_square(parts: Sequence[ServoFit]) -> float:
     return math.sqrt(float(np.mean([one.rms**2 for one in parts])))
 
 
-def _term(step: Step, scale: str) -> Mapping[str, Any]:
-    numbers = quantities(step.found, scale)
+def _term(step: Step, best: ServoFit, scale: str) -> Mapping[str, Any]:
+    numbers = quantities(best, scale)
     new = {name: P.of(numbers[name]) for start in step.term.starts(step.found)[:1] for name in start}
     return {
         "name": step.term.name,
@@ -314,17 +320,45 @@ def _term(step: Step, scale: str) -> Mapping[str, Any]:
     }
 
 
-def _mechanism(step: Step, scale: str, span: list[list[float]], place: int) -> Mapping[str, Any]:
-    before, after = step.held_out
-    main = place == 0 and (not math.isfinite(before) or after < _MAIN * before)
-    told = _term(step, scale)
+def _ties(steps: Sequence[Step]) -> list[tuple[Term, float]]:
+    """Terms that would do in place of the one that is needed most, with their evidence, the best first."""
+    if not steps:
+        return []
+    first, taken = steps[0], {step.term.name for step in steps}
+    near = sorted((worse, name) for name, worse in first.rivals.items() if name not in taken)
+    return [(next(term for term in TERMS if term.name == name), first.gain - worse) for worse, name in near]
+
+
+def _not_told(ties: Sequence[tuple[Term, float]], steps: Sequence[Step]) -> str:
+    return f" Not ruled out in place of {steps[0].term.name}: {', '.join(t.name for t, _ in ties)}." if ties else ""
+
+
+def _grade(steps: Sequence[Step], place: int, clean: bool) -> str:
+    """Of a term by its place, the most needed first; clean : whether all leave no more than the sensor."""
+    before, after = steps[place].held_out
+    if place == 0 and _ties(steps):
+        return "one-of"
+    if clean:
+        return "explains"
+    return "main" if place == 0 and (not math.isfinite(before) or after < _MAIN * before) else "minor"
+
+
+def _tied(term: Term, gain: float, span: list[list[float]]) -> Mapping[str, Any]:
+    where = {"time_s": span, "regime": "throughout", "condition": "", "share": None}
+    said = f"{term.said.capitalize()}: not ruled out."
+    about = {"name": term.name, "family": "servo", "statement": said, "parameters": {}, "grade": "one-of"}
+    return {**about, "delta_bic": gain, "where": where, "alternatives": []}
+
+
+def _mechanism(step: Step, best: ServoFit, scale: str, span: list[list[float]], grade: str) -> Mapping[str, Any]:
+    told = _term(step, best, scale)
     near = sorted(step.rivals.items(), key=lambda one: one[1])[:3]
     return {
         "name": step.term.name,
         "family": "servo",
         "statement": f"{step.term.said.capitalize()}.",
         "parameters": told["parameters"],
-        "grade": "main" if main else "minor",
+        "grade": grade,
         "delta_bic": step.gain,
         "where": {"time_s": span, "regime": "throughout", "condition": "", "share": None},
         "alternatives": [{"name": name, "delta_bic": worse} for name, worse in near],

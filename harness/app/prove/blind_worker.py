@@ -19,7 +19,7 @@ import numpy as np
 
 from harness.app.diagnose.many import diagnose, diagnose_together
 from harness.app.diagnose.one import answer
-from harness.app.diagnose.options import DiagnoseOptions, RobotOptions
+from harness.app.diagnose.options import DiagnoseOptions, RobotOptions, ServoOptions
 from harness.app.shared.reading import ReadOptions, read_as, spooled
 from harness.core.arrays import FloatArray
 from harness.core.errors import HarnessError
@@ -74,10 +74,14 @@ def diagnosed(recording: bytes, arguments: Sequence[str]) -> dict[str, Any]:
 
 def _options(named: Mapping[str, Any]) -> DiagnoseOptions:
     """Options by their names, as the command line has them."""
-    robot = {name: named[name] for name in ("joint",) if name in named}
-    rest = {name: said for name, said in named.items() if name not in ("robot", *robot)}
-    asked = RobotOptions.chosen(Path(named["robot"]), **robot) if "robot" in named else None
-    return DiagnoseOptions.chosen(ReadOptions(), robot=asked, **rest)
+    files: dict[str, Any] = {name: Path(named[name]) for name in ("robot", "sim", "model") if name in named}
+    robot = RobotOptions.chosen(files.pop("robot", None), joint=named.get("joint"))
+    if "model" in files:
+        # an engine's own file has an engine to be asked
+        named = {**named, "engines": ("mujoco",)}
+    rest = {name: said for name, said in named.items() if name not in ("robot", "joint", "servo", *files)}
+    servo = ServoOptions.chosen(named.get("servo"))
+    return DiagnoseOptions.chosen(ReadOptions(), robot=robot, servo=servo, **files, **rest)
 
 
 def by_baseline(who: str, recording: bytes, arguments: Sequence[str]) -> dict[str, Any]:

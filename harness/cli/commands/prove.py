@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     "--paths",
     type=click.IntRange(min=1),
     is_flag=False,
-    flag_value=6000,
+    flag_value=7200,
     metavar="[N]",
-    help="Instead N recordings on every way that gives a verdict, as users run them.  [6000]",
+    help="Instead N recordings on every way that gives a verdict, as users run them.  [7200]",
 )
 @click.option("--short", is_flag=True, help="24 recordings in all: no evidence. With --verify: draw 24 again.")
 @click.option("--verify", type=PATH, metavar="DIR", help="Recompute a proof; run nothing.")

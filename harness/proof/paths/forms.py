@@ -7,7 +7,7 @@ and Canudas de Wit 1994 and Awrejcewicz and Olejnik 2005 (friction), Schiller an
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,14 +15,14 @@ from harness.core.arrays import FloatArray
 from harness.proof.paths import plant as at
 from harness.proof.paths.plant import SIZE, TABLE
 
-DECAY, SWING, DOWN, SPRING, SHAKEN, AXIS, SLOW, CURVE, TOGETHER, JOINT = PATHS = (
+DECAY, SWING, DOWN, SPRING, SHAKEN, AXIS, SLOW, CURVE, TOGETHER, JOINT, SERVO, SIMULATED = PATHS = (
     *("free decay", "pendulum", "run-down", "driven on a spring", "driven pendulum", "axis under a controller"),
-    *("slow axis", "friction curve", "several together", "robot joint"),
+    *("slow axis", "friction curve", "several together", "robot joint", "servo", "own simulation"),
 )
 """Ways that give a verdict."""
 FIRST = 9
 """Of them those that the published proof has."""
-_SPRUNG, _AXES = (DECAY, SPRING, TOGETHER), (AXIS, SLOW, JOINT)
+_SPRUNG, _AXES = (DECAY, SPRING, TOGETHER, SIMULATED), (AXIS, SLOW, JOINT)
 _SWUNG = (*_SPRUNG, SWING, SHAKEN)
 _MOVED = (*_SWUNG, *_AXES)
 
@@ -124,6 +124,10 @@ def _late(form: float) -> Form:
     return Form(("sensor-lag",), (DECAY, SPRING), at.LATE, lambda s, rng: {at.LATE: 0.05 * s.slow, at.LATE_FORM: form})
 
 
+def _at_rest(form: float) -> Form:
+    return replace(_stribeck(form), right=("rest-friction",), paths=(SERVO,))
+
+
 _PLACED = ("load-dependent-friction", "position-dependent-friction")
 FORMS: dict[str, Form] = {
     "Stribeck, Lorentzian": _stribeck(0.0),
@@ -183,6 +187,22 @@ FORMS: dict[str, Form] = {
     "accelerometer that saturates": Form(("sensor-clipping",), (DECAY,), at.CLIP, lambda s, rng: {at.CLIP: 0.5}),
     "sensor that warms": Form(("sensor-drift",), (DECAY,), at.WANDER, lambda s, rng: {
         at.WANDER: 0.02 * s.far, at.WANDER_T: s.span * rng.uniform(0.3, 1.0),
+    }),
+    "servo, friction at rest, Lorentzian": _at_rest(0.0),
+    "servo, friction at rest, exponential": _at_rest(1.0),
+    "servo, friction at rest, of a root": _at_rest(2.0),
+    "servo, gears under a preload": Form(("load-friction", "load-friction-by-side"), (SERVO,), at.GEAR, lambda s, rng: {
+        at.GEAR: 0.15, at.GEAR_U: s.k * _between(rng, 0.1, 0.5),
+    }),
+    "servo, a supply that sags": Form(("concave-drive", "torque-limit"), (SERVO,), at.SAG, lambda s, rng: {
+        at.SAG: 0.1,
+    }),
+    "servo, a limit with a knee": Form(("torque-limit", "concave-drive"), (SERVO,), at.LIMIT, lambda s, rng: {
+        at.LIMIT: 1.0 / (s.k + s.f_k + s.c * s.fast),
+    }),
+    "servo, a soft dead band": Form(("dead-band",), (SERVO,), at.DEAD, lambda s, rng: {at.DEAD: 0.01}),
+    "servo, a profile of its goal": Form(("goal-speed-limit",), (SERVO,), at.RAMP, lambda s, rng: {
+        at.RAMP: 1.0 / s.fast,
     }),
 }  # fmt: skip
 """By a name in words. Among them none of the catalogue's own formulas but that of a delay."""

@@ -1,6 +1,9 @@
-"""A robot's joint as its user has it: the log of an arm with the other joint locked, and the arm's model."""
+"""A robot's joint as its user has it: the log of an arm with the other joint locked, and the arm's model.
 
-from collections.abc import Sequence
+The log has a torque, or of a servo its goals.
+"""
+
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -18,11 +21,37 @@ _LAYOUTS: Sequence[tuple[str, float, str, float, str, str, str]] = (
     ("timestamp", 1.0, "q{}", 1.0, "dq{}", "tau{}", "ew"),
 )
 """Header of the time and its unit over s, of positions and theirs, of speeds and torques; in which order joints are."""
+_GOALS: Sequence[tuple[str, float, str, str, float]] = (
+    ("t [s]", 1.0, "{}.goal", "{}.position", 1.0),
+    ("time_ms", 1e3, "{}.goal [deg]", "{}.position [deg]", _DEG),
+    ("t", 1.0, "xcmd{}_rad", "x{}_rad", 1.0),
+)
+"""Header of the time and its unit over s, of goals, of positions and their unit."""
 _EPOCH = 1.7e9
+ROTOR = 0.3
+"""Share of a servo's inertia that is its rotor's, behind the gears, and that no model has."""
 
 
-def log(rng: Rng, t: FloatArray, channels: dict[str, FloatArray]) -> str:
-    """A log of both joints: x, u and, where it is there, v of the one that moves, (n,) each, SI."""
+def log(rng: Rng, t: FloatArray, channels: Mapping[str, FloatArray], rig: Rig) -> str:
+    """A log of both joints: x and, where they are there, u and v of the one that moves, (n,) each, SI."""
+    return _of_torque(rng, t, channels) if rig.driven else _of_goals(rng, t, channels["x"], rig.drive[0])
+
+
+def _of_goals(rng: Rng, t: FloatArray, x: FloatArray, goal: FloatArray) -> str:
+    time, ms, asked, place, degrees = _GOALS[int(rng.integers(len(_GOALS)))]
+    at = np.full_like(t, rng.uniform(-1.0, 1.0))
+    columns = {time: [f"{one:.6g}" for one in ms * t]}
+    for head, each in ((asked, (goal, at)), (place, (x, at))):
+        for name, number, y in zip((_MOVED, _LOCKED), "12", each, strict=True):
+            columns[head.format(name if head[0] == "{" else number)] = [f"{degrees * one:.8g}" for one in y]
+    return _table(columns)
+
+
+def _table(columns: Mapping[str, Sequence[str]]) -> str:
+    return "\n".join([",".join(columns), *map(",".join, zip(*columns.values(), strict=True))]) + "\n"
+
+
+def _of_torque(rng: Rng, t: FloatArray, channels: Mapping[str, FloatArray]) -> str:
     time, ms, place, degrees, speed, torque, order = _LAYOUTS[int(rng.integers(len(_LAYOUTS)))]
     at, weight, n = rng.uniform(-1.0, 1.0), rng.uniform(-0.05, 0.05) * float(np.std(channels["u"])), t.size
     still = {
@@ -36,12 +65,16 @@ def log(rng: Rng, t: FloatArray, channels: dict[str, FloatArray]) -> str:
         for which in order if c in channels else "":
             name = (_MOVED if which == "e" else _LOCKED) if head[0] not in "qdt" else str(1 + "ew".index(which))
             columns[head.format(name)] = [f"{unit * y:.8g}" for y in (channels if which == "e" else still)[c]]
-    return "\n".join([",".join(columns), *map(",".join, zip(*columns.values(), strict=True))]) + "\n"
+    return _table(columns)
 
 
 def described(rng: Rng, rig: Rig, free: bool) -> tuple[dict[str, str], list[str]]:
     """The arm's model by the name of its file, MJCF or URDF, and the options. free : no more than are necessary."""
     inertia, _, pull, _, _ = map(float, rig.b)
+    if not rig.driven:
+        if free:
+            return {}, []
+        inertia *= 1.0 - ROTOR
     # what is level at the joint's zero, and how far out the mass is that gravity and inertia ask for
     mass = 2.0 * pull**2 / (_G**2 * inertia) if pull else 4.0 * inertia
     far, hand = (pull / (_G * mass) if pull else 0.1), rng.uniform(0.1, 0.3)
@@ -52,7 +85,8 @@ def described(rng: Rng, rig: Rig, free: bool) -> tuple[dict[str, str], list[str]
     centre = [far * one for one in out] if pull else [0.0, 0.0, 0.0]
     arm = ((1.0 - hand) * mass, centre, turning - tip), (hand * mass, [far * one for one in out], tip)
     text, name = (_mjcf(arm, axis, out), "robot.xml") if rng.random() < 0.5 else (_urdf(arm, axis, out), "robot.urdf")
-    return {name: text}, ["--robot", name, *([] if free else ["--joint", _MOVED])]
+    servo = [] if rig.driven else ["--servo", "sts3215:16"]
+    return {name: text}, [*servo, "--robot", name, *([] if free else ["--joint", _MOVED])]
 
 
 _Body = tuple[float, Sequence[float], float]

@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
-from harness.proof.paths import joints
+from harness.proof.paths import joints, simulated
 from harness.proof.paths.files import packed, written
 from harness.proof.paths.forms import (
     AXIS,
@@ -21,8 +21,10 @@ from harness.proof.paths.forms import (
     JOINT,
     NEEDS_BOTH,
     PATHS,
+    SERVO,
     SHAKEN,
     SHAPES,
+    SIMULATED,
     SLOW,
     SPRING,
     SWING,
@@ -33,7 +35,7 @@ from harness.proof.paths.forms import (
     numbers,
     unknown,
 )  # fmt: skip
-from harness.proof.paths.rigs import BARE, NONE, Rig, draw_rig, effective, laws_of, loss, shown, spoiled
+from harness.proof.paths.rigs import BARE, BRAKE, NONE, Rig, draw_rig, effective, laws_of, loss, shown, spoiled
 
 FORM, CONTROL, UNKNOWN = "path", "path-control", "path-unknown"
 GROUPS = (FORM, CONTROL, UNKNOWN)
@@ -44,8 +46,8 @@ MOST = 4.0
 LEAST, TRIES, TURNS = 0.1, 12, 8
 KNOWN = 0.8
 """Share of an unknown effect from which it is the law that it projects on."""
-_HELD = {DECAY: "spring", TOGETHER: "spring", SPRING: "spring", SWING: "pendulum", SHAKEN: "pendulum"}
-_HELD |= {AXIS: "none", SLOW: "none"}
+_HELD = dict.fromkeys((DECAY, TOGETHER, SPRING, SIMULATED), "spring")
+_HELD |= {SWING: "pendulum", SHAKEN: "pendulum", AXIS: "none", SLOW: "none"}
 
 
 def forms_of(path: str) -> list[str]:
@@ -55,6 +57,8 @@ def forms_of(path: str) -> list[str]:
 
 def shapes_of(path: str) -> list[str]:
     """Shapes of the unknown effects that a way can show."""
+    if path == SERVO:
+        return ["f(x)", "g(x) sgn v"]
     if path in (CURVE, DOWN):
         return ["f(v)"]
     return [shape for shape in SHAPES if path not in (AXIS, SLOW, JOINT) or shape != "f(t)"]
@@ -86,7 +90,8 @@ def made(seed: int, index: int, path: str, group: str, form: str) -> Made:
         else:
             p, tables = unknown(form, scales, rng)
             worth = _scaled(rng, rig, p, None, tables)
-            taken = {n: part for n, part in laws_of(rig, p, tables).items() if part > KNOWN} if worth > LEAST else {}
+            of_law = laws_of(rig, p, tables) if worth > LEAST and path != SERVO else {}
+            taken = {n: part for n, part in of_law.items() if part > KNOWN}
             right = sorted(taken, key=lambda name: -taken[name])
         if worth > LEAST:
             about = {**_about(form, group), "loss": worth, "right": right, "projects": taken}
@@ -142,9 +147,10 @@ def _logged(rng: Rng, rig: Rig, p: FloatArray, tables: FloatArray, about: Mappin
         t = None if one.path == CURVE else one.dt * np.arange(float(n))
         name = "recording.csv" if len(rigs) == 1 else f"repetition-{number + 1}.csv"
         turning = bool(one.b[4]) or one.path == "run-down"
-        files[name] = (
-            joints.log(rng, t, channels) if t is not None and one.path == JOINT else written(rng, t, channels, turning)
-        )
+        if t is not None and one.path in (JOINT, SERVO):
+            files[name] = joints.log(rng, t, channels, one)
+        else:
+            files[name] = written(rng, t, channels, turning)
         total += n
         first = clean[one.channels[-1] if one.driven or one.path == CURVE else one.channels[0]]
         sigma = one.sigma[2] if one.driven or one.path == CURVE else one.sigma[1 if one.channels == "a" else 0]
@@ -156,13 +162,22 @@ def _logged(rng: Rng, rig: Rig, p: FloatArray, tables: FloatArray, about: Mappin
         arguments = ["--restoring", _HELD[rig.path]]
         sprung = _HELD[rig.path] == "spring"
         arguments += ["--zero", "free" if rig.zero else "spring"] if sprung else []
-    if rig.path == JOINT:
+    if rig.path in (JOINT, SERVO):
         model, arguments = joints.described(rng, rig, free)
         files |= model
+    if rig.path == SIMULATED:
+        noise = max(rig.sigma[0] if "x" in rig.channels else 0.0, rig.count) / abs(rig.start[0])
+        own, told, changes = simulated.beside(rng, rig.b, rig.start[0], total * rig.dt, noise)
+        files |= own
+        arguments = [*arguments, *told]
+        about = {**about, "changes": changes}
     m, c, k, f_k, _ = map(float, rig.b)
     base = {"mass": m, "c": c, "f_k": f_k} | ({"k": k} if k else {})
     if k:
         base |= {"omega_n": math.sqrt(k / m), "zeta": c / (2.0 * math.sqrt(k * m)), "x_k": f_k / k}
+    if rig.path == SERVO:
+        # without a model torques have no scale
+        base = {} if free else {"f_k": f_k, "c": c - BRAKE}
     return Made(packed(files), {
         **about, "mechanisms": about["right"][:1], "source": "path", "setting": rig.path, "channels": rig.channels,
         "points": total, "arguments": arguments, "told": not free, "base": base,

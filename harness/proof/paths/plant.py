@@ -17,7 +17,7 @@ from harness.core.jit import compiled
  STOP_X, STOP_FORM, PLAY, PLAY_X, HARD, HARD_X, HARD_FORM, SIDES, SIDES_V, SIDES_FORM, COG, COG_L, COG_P, ARM, ARM_1,
  ARM_2, LOAD, LOAD_X, SLOPE, SLOPE_X, WARM, WARM_T, WARM_FORM, SOFT, SOFT_T, SWAY, SWAY_W, HUM, HUM_W, PULSE, PULSE_T,
  PULSE_L, MODE, MODE_W, MODE_Z, UNKNOWN, UNKNOWN_FORM, UNKNOWN_X, UNKNOWN_V, UNKNOWN_T, FAST, LATE, LATE_FORM, CLIP,
- WANDER, WANDER_T, SIZE) = range(59)  # fmt: skip
+ WANDER, WANDER_T, GEAR, GEAR_U, SAG, LIMIT, DEAD, RAMP, SIZE) = range(65)  # fmt: skip
 # places in the state: motion, bristle, two arms, what is attached, work against friction, hysteresis, elements
 X, V, Z, Y1, Y2, X2, V2, WORK, LOOP, ELEMENTS = range(10)
 _MANY: Final = 4
@@ -327,4 +327,49 @@ def pushed(
                 _rates(s, now, u, side, side == 0.0 and p[BRISTLE] == 0.0, s[X], b, p, tables, w[0])
                 rate = stiff * (fast - s[V]) + damp * ((rv[j + 1] - rv[j]) / h - w[0, V])
                 side, stuck = _advance(s, side, stuck, now, h / m, u, rate, b, p, tables, w)
+    return rows
+
+
+# places in the numbers of a servo: duty over rad, N m at all of it, most of it, s by which goals are late, rad of its
+# encoder's step, and what that shows where the joint hangs
+GAIN, STALL, MOST, LATER, STEP, REST = range(6)
+
+
+@compiled
+def served(
+    goal: FloatArray, dt: float, ticks: int, servo: FloatArray, b: FloatArray, p: FloatArray, tables: FloatArray
+) -> FloatArray:
+    """Motion (n, 5) and motor's torque of a joint whose servo gets goals (n,), one a sample; ticks : of its loop a
+    sample. c : the gears' and the motor's own."""
+    n, h, step, rest = goal.size, dt / ticks, servo[STEP], servo[REST]
+    rows, s, w, now = np.empty((n, 5)), _state(goal[0] - rest, 0.0), np.empty((6, STATES)), b.copy()
+    side, stuck, wanted, pace, u = 0.0, 1e9, goal[0], 0.0, 0.0
+    for i in range(n):
+        _shown(s, side, i * dt, u, now, p, tables, w, rows[i])
+        for tick in range(ticks):
+            t = i * dt + tick * h
+            sent = math.floor(goal[max(math.floor((t - servo[LATER]) / dt + 1e-9), 0)] / step + 0.5) * step
+            if p[RAMP] != 0.0:
+                # a profile of a largest speed, taken up and left within a tenth of a second
+                most = 1.0 / p[RAMP]
+                hard, off = 10.0 * most, sent - wanted
+                to = math.copysign(min(most, math.sqrt(2.0 * hard * abs(off))), off)
+                pace += min(max(to - pace, -hard * h), hard * h)
+                wanted += pace * h
+            else:
+                wanted = sent
+            error = wanted - math.floor((s[X] + rest) / step + 0.5) * step
+            if p[DEAD] != 0.0:
+                error *= 1.0 - math.exp(-((error / p[DEAD]) ** 2))
+            duty = min(max(math.floor(1000.0 * servo[GAIN] * error + 0.5) / 1000.0, -servo[MOST]), servo[MOST])
+            u = servo[STALL] * duty * (1.0 - p[SAG] * abs(duty))
+            if p[LIMIT] != 0.0:
+                u /= (1.0 + abs(u * p[LIMIT]) ** 6) ** (1.0 / 6.0)
+            if p[GEAR] != 0.0:
+                # what the teeth carry: the load's torque and the motor's, from a preload on
+                carried = u + b[2] * math.sin(s[X])
+                now[3] = b[3] + p[GEAR] * (math.sqrt(carried**2 + p[GEAR_U] ** 2) - p[GEAR_U])
+            for _ in range(2):
+                side, stuck = _advance(s, side, stuck, t, 0.5 * h, u, 0.0, now, p, tables, w)
+                t += 0.5 * h
     return rows

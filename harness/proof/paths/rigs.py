@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from scipy.linalg import orth
@@ -16,7 +17,9 @@ from harness.proof.paths.forms import (
     DECAY,
     DOWN,
     JOINT,
+    SERVO,
     SHAKEN,
+    SIMULATED,
     SLOW,
     SPRING,
     SWING,
@@ -39,7 +42,7 @@ WINDOWS = 12
 """In which the motion of an axis is followed, each from a start of its own."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Rig:
     """What does not change when an effect is made larger.
 
@@ -80,6 +83,9 @@ class Rig:
             (r, rv, ra), tick = self.drive, self.dt / self.every
             rows = plant.controlled(r, rv, ra, self.numbers[0], self.gains, tick, self.fine, b, p, tables)
             return rows[:: self.every]
+        if self.path == SERVO:
+            assert self.gains is not None
+            return plant.served(self.drive[0], self.dt, self.every, self.gains, b, p, tables)
         if self.path == SLOW:
             (r, rv), (stiff, damp) = self.drive, self.numbers
             return plant.pushed(r, rv, stiff, damp, self.dt, self.fine, b, p, tables)
@@ -130,7 +136,8 @@ def loss(rig: Rig, p: FloatArray, tables: FloatArray = NONE) -> float:
     """Log-likelihood that the base model is expected to lose, in effective samples: half its chi-square there.
 
     Of a free motion, or one under a given force, the base is fitted to the whole; of an axis, to the force, and what
-    that leaves moves it within windows; of a curve, to its points. A force with noise tells no more than that lets.
+    that leaves moves it within windows; of a curve, to its points; of a servo, by what small changes of its numbers
+    move. A force with noise tells no more than that lets.
     """
     run = rig.run(p, tables)
     if not np.all(np.isfinite(run)) or np.max(np.abs(run)) > 1e9:
@@ -140,6 +147,9 @@ def loss(rig: Rig, p: FloatArray, tables: FloatArray = NONE) -> float:
         return 0.5 * float(np.sum((off / rig.sigma[2]) ** 2))
     if rig.path in (AXIS, SLOW, JOINT):
         return _loss_in_windows(rig, run)
+    if rig.path == SERVO:
+        off = run[:, 0] - rig.run(BARE)[:, 0]
+        return 0.5 * float(np.sum((_without(off, _moved(rig)) / rig.sigma[0]) ** 2))
     seen = shown(rig, run, p)
     told = [(c, rig.sigma[_NOISE[c]]) for c in rig.channels if c != "u"]
     span = float(np.max(np.abs(run[:, 0]))), float(np.max(np.abs(run[:, 1])))
@@ -157,6 +167,22 @@ def loss(rig: Rig, p: FloatArray, tables: FloatArray = NONE) -> float:
     found = least_squares(left, np.zeros(6), x_scale=scale, diff_step=_SMALL, max_nfev=15)
     by_force = _left_of_force(rig, run)[1] if rig.driven else math.inf
     return min(float(found.cost) * effective(rig), by_force)
+
+
+@lru_cache(maxsize=2)
+def _moved(rig: Rig) -> list[FloatArray]:
+    """What small changes of a servo's numbers and of its encoder's zero do to its positions, (n,) each."""
+    assert rig.gains is not None
+    x, size = rig.run(BARE)[:, 0], rig.gains.size
+    found = [np.ones_like(x)]
+    for i in range(4 + size):
+        b, gains = rig.b.copy(), rig.gains.copy()
+        changed, at = (b, i) if i < 4 else (gains, i - 4)
+        if at == plant.STEP and i >= 4:
+            continue
+        changed[at] += 0.01 * changed[at] if changed[at] else 0.0
+        found.append(replace(rig, gains=gains).run(BARE, b=b)[:, 0] - x)
+    return found
 
 
 def _without(y: FloatArray, columns: list[FloatArray]) -> FloatArray:
@@ -223,10 +249,15 @@ def spoiled(rig: Rig, clean: dict[str, FloatArray], rng: Rng) -> dict[str, Float
         if rig.path == CURVE:
             found[c] = y if c == "v" else y + rig.sigma[2] * rng.standard_normal(y.size)
             continue
-        if c == "x" and rig.count:
+        if c == "x" and rig.count and rig.path != SERVO:
             found[c] = np.floor(y / rig.count + 0.5) * rig.count + rig.zero
             continue
         r = rig.colour if c != "u" else 0.0
+        if rig.path == SERVO:
+            # the encoder's step is on what it shows
+            y = y + rig.zero + rig.sigma[1] * rng.standard_normal(y.size)
+            found[c] = np.floor(y / rig.count + 0.5) * rig.count
+            continue
         noise = lfilter([math.sqrt(1.0 - r * r)], [1.0, -r], rng.standard_normal(y.size + 50))[50:]
         sigma = rig.sigma[_FAST if rig.driven and c == "v" else _NOISE[c]]
         found[c] = y + sigma * noise + (rig.zero if c == "x" else 0.0)
@@ -235,18 +266,18 @@ def spoiled(rig: Rig, clean: dict[str, FloatArray], rng: Rng) -> dict[str, Float
 
 def draw_rig(path: str, rng: Rng, both: bool = False) -> Rig:
     """A machine of a way. both : x and a are shown of a free decay, both directions of a curve."""
-    if path in (DECAY, SWING, TOGETHER):
+    if path in (DECAY, SWING, TOGETHER, SIMULATED):
         rig = _let_go(path, rng, both)
     elif path in (SPRING, SHAKEN):
         rig = _shaken(path, rng)
     elif path == CURVE:
         rig = _curve(rng, both)
     else:
-        rig = {AXIS: _axis, SLOW: _slow, DOWN: _run_down, JOINT: _joint}[path](rng)
+        rig = {AXIS: _axis, SLOW: _slow, DOWN: _run_down, JOINT: _joint, SERVO: _servo}[path](rng)
     if path == CURVE:
         size = float(np.std(rig.run(BARE)[:, 3]))
         return replace(rig, channels="vu", sigma=(1.0, 1.0, size * 10.0 ** rng.uniform(-3.0, -1.8)))
-    return rig if path == JOINT else _with_sensors(rig, rng)
+    return rig if path in (JOINT, SERVO) else _with_sensors(rig, rng)
 
 
 def _with_sensors(rig: Rig, rng: Rng) -> Rig:
@@ -280,7 +311,9 @@ def _let_go(path: str, rng: Rng, both: bool) -> Rig:
     omega, per = math.sqrt(b[2]), _between(rng, 30.0, 150.0)
     dt, n = 2.0 * math.pi / omega / per, int(rng.uniform(8.0, 20.0) * per)
     fine, side = max(4, math.ceil(500.0 / per)), float(rng.choice([-1.0, 1.0]))
-    channels = "xa" if both else "x" if path != DECAY else str(rng.choice(["x", "xa", "a"], p=[0.5, 0.35, 0.15]))
+    channels = "xa" if both else "x"
+    if not both and path in (DECAY, SIMULATED):
+        channels = str(rng.choice(["x", "xa", "a"], p=[0.5, 0.35, 0.15]))
     rest = dt * int(rng.uniform(0.3, 2.0) * per) if rng.random() < 0.4 else 0.0
     return Rig(path, b, dt, (side * size, 0.0), (np.zeros(n),), True, fine, channels=channels, rest=rest)
 
@@ -360,6 +393,46 @@ def _joint(rng: Rng) -> Rig:
     noise = float(np.std(run[:, 3])) * (_between(rng, 3e-4, 2e-2) if rng.random() < 0.6 else 0.0)
     sigma = count / math.sqrt(12.0), float(np.std(run[:, 1])) * _between(rng, 1e-3, 1e-2), noise
     return replace(rig, sigma=sigma, count=count, zero=rng.uniform(-2.0, 2.0))
+
+
+STEP = 2.0 * math.pi / 4096
+STALL, BRAKE, GAIN, MOST, VOLTS = 0.4527, 0.5486, 0.166 * 16.0, 0.97, 7.4
+"""Of an STS3215: rad, N m a volt, N m s/rad, duty a rad, duty, V."""
+_TICK, _FREE = 1e-3, 0.9
+"""s of the servo's own loop, and the share of its largest duty that a log asks for."""
+
+
+def _servo(rng: Rng) -> Rig:
+    """A joint of an arm under a servo like an STS3215, its goals those of somebody who leads it."""
+    inertia, pull, f_k, c = (_between(rng, *one) for one in ((0.024, 0.09), (0.15, 1.2), (0.02, 0.12), (0.02, 0.08)))
+    dt, rest = 1.0 / float(rng.choice([30.0, 50.0])), rng.uniform(-math.pi, math.pi)
+    t = dt * np.arange(float(round(rng.uniform(25.0, 40.0) / dt)))
+    gains = np.array([GAIN, STALL * VOLTS * rng.uniform(0.85, 1.15), MOST, rng.uniform(0.002, 0.03), STEP, rest])
+    noise, b = STEP * rng.uniform(0.5, 1.5), np.array([inertia, c + BRAKE, pull, f_k, 1.0])
+    sigma = math.hypot(noise, STEP / math.sqrt(12.0)), noise, 0.0
+    # led so that its duty is never all there is, which nobody who does not name the servo can know of
+    slow, way = 1.0, int(rng.integers(2**32))
+    while True:
+        goal = goals(t / slow, np.random.default_rng(way))
+        rig = Rig(SERVO, b, dt, (0.0, 0.0), (goal,), True, 1, (), gains, "x", sigma, count=STEP, zero=rest,
+                  every=round(dt / _TICK))  # fmt: skip
+        if float(np.max(np.abs(goal - rest - rig.run(BARE)[:, 0]))) < _FREE * MOST / GAIN:
+            return rig
+        slow *= 1.25
+
+
+def goals(t: FloatArray, rng: Rng) -> FloatArray:
+    """Goals (n,), rad, as somebody leads an arm: from place to place, with rests, and a little sway."""
+    edges, places = [0.0], [rng.uniform(-0.8, 0.8)]
+    while edges[-1] < t[-1]:
+        move = rng.uniform(0.5, 2.0)
+        edges += [edges[-1] + move, edges[-1] + move + rng.choice([0.0, rng.uniform(0.2, 1.0)])]
+        places += [rng.uniform(-0.9, 0.9)] * 2
+    at = np.searchsorted(edges, t, side="right") - 1
+    ends = np.minimum(at + 1, len(edges) - 1)
+    s = np.clip((t - np.take(edges, at)) / np.maximum(np.take(edges, ends) - np.take(edges, at), 1e-9), 0.0, 1.0)
+    found = np.take(places, at) + s**3 * (10.0 - 15.0 * s + 6.0 * s**2) * (np.take(places, ends) - np.take(places, at))
+    return np.asarray(found + 0.1 * np.sin(2.0 * np.pi * rng.uniform(0.3, 1.0) * t + rng.uniform(0.0, 6.0)))
 
 
 def _slow(rng: Rng) -> Rig:

@@ -40,7 +40,10 @@ ASKED = {
 
 
 def outcome(truth: Truth, result: Result | None) -> str:
-    """One of ``OUTCOMES``; of a control, and of an effect of no family, whatever is claimed is wrong."""
+    """One of ``OUTCOMES``; of a control, and of an effect of no family, whatever is claimed is wrong.
+
+    Of a control beside a simulation of the user's own so is a change of it that is none of ``changes``.
+    """
     claim, right = Claim.of(result), set(truth["right"])
     mains = {m["name"] for m in (result or {}).get("mechanisms", []) if m.get("grade") in ("main", "explains")}
     listed = claim.near if claim.main == "" and len(claim.near) <= LONGEST else frozenset()
@@ -48,7 +51,14 @@ def outcome(truth: Truth, result: Result | None) -> str:
         return NAMED if mains <= right else WRONG
     if listed:
         return LISTED if listed & right else WRONG
-    return SILENT
+    changed = changes(result) - set(truth.get("changes", ())) if truth["group"] == CONTROL else set()
+    return WRONG if changed and "changes" in truth else SILENT
+
+
+def changes(result: Result | None) -> set[str]:
+    """Numbers and terms of the user's simulation that are said to be wrong."""
+    told = ((result or {}).get("attribution") or {}).get("changes") or []
+    return {one["name"] for one in told if one["kind"] in ("parameter", "term")}
 
 
 def is_hidden(truth: Truth) -> bool:

@@ -103,16 +103,14 @@ class ServoFit:
         """Of the residual, which counts as fewer values than samples."""
         return memory(self.residual, begins=self.logs.begins)
 
-    @property
-    def inside(self) -> list[str]:
-        """What is free and not on a bound."""
-        return [name for name in self.free if not self.bound(name)]
-
     @cached_property
     def covariance(self) -> FloatArray:
-        """Of what is inside (q, q), in ordinary sizes; colour of the residual allowed for."""
-        partials = _partials(self.logs, self.values, self.inside, self.residual)
-        scaled = partials * np.array([self.logs.size(name) for name in self.inside])
+        """Of what is free (q, q), in ordinary sizes; colour of the residual allowed for.
+
+        What stands on a bound may be off it too: what goes with it (damping with a delay of none) is no surer for that.
+        """
+        partials = _partials(self.logs, self.values, self.free, self.residual)
+        scaled = partials * np.array([self.logs.size(name) for name in self.free])
         lags = min(int(3.0 * self.memory.time), self.residual.size // 10)
         return coloured_covariance(scaled, self.residual, lags, self.logs.begins)
 
@@ -120,22 +118,20 @@ class ServoFit:
     def errors(self) -> dict[str, float]:
         """Standard errors of what is free; inf for what stands on a bound, and for what nothing tells."""
         spread = np.sqrt(np.diag(self.covariance))
-        found = {
-            name: float(s) * self.logs.size(name) if 0.0 < s < _UNTOLD else math.inf
-            for name, s in zip(self.inside, spread, strict=True)
+        return {
+            name: float(s) * self.logs.size(name) if 0.0 < s < _UNTOLD and not self.bound(name) else math.inf
+            for name, s in zip(self.free, spread, strict=True)
         }
-        return {name: found.get(name, math.inf) for name in self.free}
 
     @property
     def partners(self) -> dict[str, tuple[str, float]]:
-        """For each number inside the one that it goes with most, and their correlation."""
+        """For each number the one that it goes with most, and their correlation."""
         spread = np.sqrt(np.maximum(np.diag(self.covariance), 1e-300))
         together = self.covariance / np.outer(spread, spread)
         np.fill_diagonal(together, 0.0)
         most = np.argmax(np.abs(together), axis=1)
         return {
-            name: (self.inside[j], float(together[i, j]))
-            for i, (name, j) in enumerate(zip(self.inside, most, strict=True))
+            name: (self.free[j], float(together[i, j])) for i, (name, j) in enumerate(zip(self.free, most, strict=True))
         }
 
     def bound(self, name: str) -> bool:

@@ -2,8 +2,8 @@
 on what was not fitted."""
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,6 +16,8 @@ _GLANCE = Until(share=1e-2, iterations=4)
 _FINALISTS, _MOST_TERMS = 3, 4
 _PARTS = 4
 """Into which many logs are divided to be held out."""
+_LOWER = 0.999
+"""Share of a sum of squares below which another minimum is the lower one."""
 _NEAR = 10.0
 """Evidence by which one term must be worse than another to be ruled out."""
 _ENOUGH = 2.0
@@ -84,8 +86,9 @@ TERMS = (
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """A term that was put in. gain : evidence for it. rivals : others that would do nearly as well, with by how much
-    they are worse. held_out : mean absolute error of what was not fitted, before and after, rad.
+    """A term of the best fit. found : the fit that it came with. gain : evidence that the best fit loses without it.
+    rivals : others that would have done nearly as well when it came, with by how much they are worse. held_out : mean
+    absolute error of what was not fitted, by the best fit without it and with it, rad.
     """
 
     term: Term
@@ -97,22 +100,19 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Search:
-    """base : torque, damping, inertia and dry friction. steps : what was put in, in order. tried : evidence of every
-    term alone. refused : terms with evidence that what was not fitted does not confirm. blocks : names of what was held
-    out. before, after : its fits by the rest, with the base and with the best.
+    """base : torque, damping, inertia and dry friction. best : with all terms. steps : its terms, the one it loses most
+    without first. tried : evidence of every term alone. refused : terms with evidence that what was not fitted does not
+    confirm. blocks : names of what was held out. before, after : its fits by the rest, with the base and with the best.
     """
 
     base: ServoFit
+    best: ServoFit
     steps: tuple[Step, ...]
     tried: Mapping[str, float]
     refused: tuple[str, ...]
     blocks: tuple[str, ...]
     before: tuple[ServoFit, ...]
     after: tuple[ServoFit, ...]
-
-    @property
-    def best(self) -> ServoFit:
-        return self.steps[-1].found if self.steps else self.base
 
 
 def search(logs: Logs, base: ServoFit, progress: Callable[[str], None] = lambda said: None) -> Search:
@@ -123,10 +123,17 @@ def search(logs: Logs, base: ServoFit, progress: Callable[[str], None] = lambda 
     while len(steps) < _MOST_TERMS:
         ranked = _ranked(logs, now, {step.term.name for step in steps} | set(refused), progress)
         if not steps and not refused:
+            # of the lowest minimum, the last one
             tried = {term.name: gain for gain, term, _ in ranked}
         if not ranked or ranked[0][0] < (_ENOUGH if folds else MARGIN.value):
             break
         gain, term, found = ranked[0]
+        # a term may only have led out of a worse minimum, in which the fit without it stood
+        led = fit(logs, _less(term, [step.term for step in steps], base, found))
+        if led.squares < _LOWER * now.squares:
+            now, out = led, _predicted(folds, led)
+            base, first = (base, first) if steps else (now, out)
+            continue
         after = _predicted(folds, found)
         if _confirmed(out, after):
             rivals = {other.name: gain - worse for worse, other, _ in ranked[1:] if gain - worse < _NEAR}
@@ -134,7 +141,47 @@ def search(logs: Logs, base: ServoFit, progress: Callable[[str], None] = lambda 
             now, out = found, after
         else:
             refused.append(term.name)
-    return Search(base, tuple(steps), tried, tuple(refused), tuple(name for name, _, _ in folds), first, out)
+    now, out, steps = _needed(logs, folds, base, now, out, steps)
+    return Search(base, now, tuple(steps), tried, tuple(refused), tuple(name for name, _, _ in folds), first, out)
+
+
+Predicted = tuple[ServoFit, ...]
+
+
+def _needed(
+    logs: Logs, folds: "list[Fold]", base: ServoFit, now: ServoFit, out: Predicted, steps: list[Step]
+) -> tuple[ServoFit, Predicted, list[Step]]:
+    """The terms that the best fit does not do without, the one it loses most without first.
+
+    What came first stood for others that came later: each is taken out again and the rest fitted, the least needed as
+    long as evidence and what was not fitted let it go.
+    """
+    least, as_found = _ENOUGH if folds else MARGIN.value, len(steps) < 2
+    while steps and not as_found:
+        weighed = []
+        for step in steps:
+            others = [one.term for one in steps if one is not step]
+            rest = fit(logs, _less(step.term, others, base, now))
+            before = _predicted(folds, rest)
+            held = _mae(before), _mae(out)
+            weighed.append(
+                (_evidence(rest, now), rest, before, replace(step, gain=_evidence(rest, now), held_out=held))
+            )
+        weighed.sort(key=lambda one: -one[0])
+        gain, rest, before, _ = weighed[-1]
+        if gain >= least and _confirmed(before, out):
+            return now, out, [step for _, _, _, step in weighed]
+        steps = [step for _, _, _, step in weighed[:-1]]
+        now, out = rest, before
+    return now, out, steps
+
+
+def _less(term: Term, others: Sequence[Term], base: ServoFit, now: ServoFit) -> dict[str, float]:
+    """Numbers of a fit without those of a term that none of the others has."""
+    own, kept = (
+        set[str]().union(*(start for one in those for start in one.starts(base))) for those in ([term], others)
+    )
+    return {name: value for name, value in now.values.items() if name not in own - kept}
 
 
 def _ranked(

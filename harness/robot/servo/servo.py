@@ -86,7 +86,7 @@ def identified(
     starts = _starts(logs, servo, inertia, not loaded)
     base = base_start(logs, starts)
     found = search(logs, base, progress)
-    return Servo(Known(servo, loaded, scale), found, base)
+    return Servo(Known(servo, loaded, scale), found, found.base)
 
 
 def _switched_off(runs: Sequence[Run]) -> bool:
