@@ -25,6 +25,8 @@ _SHOWS = 0.01
 """Share of its sensors' variance that the force's noise adds somewhere, from which it is allowed for."""
 _LEVELS = (*(0.5**i for i in range(12)), 0.0)
 """Shares of a force's scatter that may be noise."""
+_FINER = 2.0**0.5, 2.0**0.25
+"""Factors between two of them, in turn."""
 _BENT = 3
 """Samples that tell how a force bends; as many neighbours share it."""
 _UNKNOWN = (1.0, 0.5, 0.25)
@@ -118,7 +120,12 @@ def as_it_shows(force: ForceNoise, problem: Problem, shown: Observation) -> Forc
     if not levels:
         return force
     off = [one.unlikely(problem.t, problem.noise, problem.weight, left) for one in levels]
-    found = next(one for one, by in zip(levels, off, strict=True) if by <= min(off) + DECISIVE.value)
+    within = next(i for i, by in enumerate(off) if by <= min(off) + DECISIVE.value)
+    found, most = levels[within], min(off) + DECISIVE.value
+    for finer in _FINER if within and found.noise.found else ():
+        one = found.at(found.noise.sigma * finer)
+        if one.unlikely(problem.t, problem.noise, problem.weight, left) <= most:
+            found = one
     return found if found.noise.found or np.any(found.start) else None
 
 

@@ -1,7 +1,7 @@
 """The steps of a driven recording that is followed in its channels, under the noise of its force."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any
@@ -26,7 +26,7 @@ from harness.diagnosis.problems.driven import Driven
 from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import AMONG_NAMES, FOLLOWED, FORCE_HELD
 from harness.diagnosis.search.extend import Step, extend, settle
-from harness.diagnosis.search.search import Again, Search, noise_of, once, search, under
+from harness.diagnosis.search.search import Again, Search, freed, noise_of, once, search, under
 from harness.diagnosis.stages import Based, Found
 from harness.diagnosis.starts import Windows
 from harness.kernels.solve import Scales
@@ -40,6 +40,8 @@ _UNKNOWN_BETWEEN = (
     " allowed for (a log of more samples a second tells more)"
 )
 _NOT_FOLLOWED = "The base model cannot be followed, so that the force is fitted."
+_ASKED = 3
+"""Laws, the nearest, beside which the level of the force's noise is asked again."""
 _SAME = 0.01
 """Share of a chi-square that has not moved; noise taken anew each turn moves it too."""
 
@@ -81,6 +83,7 @@ class DrivenRecordings(Kind[Driven]):
         felt = self._all_felt(based)
         if felt is not None:
             (based, alone), notes = felt, [*notes, ALL_FELT]
+        based, alone = _quieter(based, alone)
         found = search(based.problem, based.fit, based.scales, renew, alone=alone)
         unknown = self._unknown_between(found, based)
         if unknown is not None:
@@ -103,11 +106,9 @@ class DrivenRecordings(Kind[Driven]):
         with suppress(SimulationError):
             quiet = self._followed(replace(based.whole.as_recorded, force_noise=None, otherwise=()))
             alone = _alone(quiet)
-            if alone.fits:
-                best, names = alone.fits[0], AMONG_NAMES.value
-                own = replace(quiet.problem, noise=noise_of(best, quiet.problem, quiet.scales.omega))
-                if unlikely(best, own) + names < unlikely(based.fit, based.problem):
-                    return quiet, alone
+            least = unlikely(based.fit, based.problem) - AMONG_NAMES.value
+            if alone.fits and any(_with_its_noise(one, quiet) < least for one in _forms(alone.fits[0], quiet)):
+                return quiet, alone
         return None
 
     def _unknown_between(self, found: Search, based: Based[Driven]) -> tuple[Search, Based[Driven]] | None:
@@ -185,6 +186,42 @@ def _alone(based: Based[Driven]) -> Step:
     """Each law on the base; those that say most of the force are tried whatever they promise of the motion."""
     also = by_the_force(based.problem, based.fit.model)
     return extend(based.fit, based.problem, based.scales, also=also)
+
+
+def _forms(law: Fit, based: Based[Driven]) -> Iterator[Fit]:
+    """A law as its name has it, and in another form, if it has one."""
+    yield law
+    free = freed(law, based.problem, based.scales)
+    if free is not None:
+        yield free
+
+
+def _with_its_noise(found: Fit, based: Based[Driven]) -> float:
+    """-2 log L of a fit under the noise that it leaves."""
+    own = replace(based.problem, noise=noise_of(found, based.problem, based.scales.omega))
+    return unlikely(found, own)
+
+
+def _quieter(based: Based[Driven], alone: Step) -> tuple[Based[Driven], Step]:
+    """With as little noise of the force as shows beside the law that comes nearest, where that is likelier.
+
+    Noise that stands for what a law leaves out carries the motion along as that does, and hides it.
+    """
+    problem, scales = based.problem, based.scales
+    force, least = problem.force_noise, unlikely(based.fit, problem)
+    if force is None or not force.noise.found or np.any(force.start):
+        return based, alone
+    less: Driven | None = None
+    for law in alone.fits[:_ASKED]:
+        with suppress(SimulationError):
+            seen, again = along(law, problem, scales)
+            by = unlikely(again, seen) + AMONG_NAMES.value
+            if by < least and (seen.force_noise is None or seen.force_noise.noise.sigma < force.noise.sigma):
+                less, least = seen, by
+    if less is None:
+        return based, alone
+    based = Based(based.whole, less, settle(under(based.fit, less), less, scales), scales)
+    return based, _alone(based)
 
 
 def _in_turns(problem: Driven, best: Fit, scales: Scales, again: Again[Driven]) -> tuple[Driven, Fit]:

@@ -16,8 +16,9 @@ from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.standard_errors import unit_of
 from harness.diagnosis.input_noise.propagation import between, force_noise, left_of, unlikely
 from harness.diagnosis.parameters import free_of
+from harness.diagnosis.prepare.felt import Felt, felt
 from harness.diagnosis.prepare.held import held_driven, spring_beside
-from harness.diagnosis.prepare.intersample import ACTS_HELD, acting, between_samples
+from harness.diagnosis.prepare.intersample import ACTS_HELD, acting, between_samples, held
 from harness.diagnosis.problems.driven import Driven, Forced
 from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.problems.simulated import COARSE, observe
@@ -136,7 +137,8 @@ def _followed(problem: Driven, course: Course, u: FloatArray, asked: Asked) -> t
     if asked.covariates or asked.guarded:
         # a model without what covariates do follows nothing, and how the force acts between samples cannot be told
         return _by_force(problem, asked, course)
-    noise_u = channel_noise(t, u, rests=True)
+    told = _felt_of(problem, course, u)
+    noise_u = _unfelt(channel_noise(t, u, rests=True), told)
     quiet = _quiet(problem, u, noise_u, course.longest)
     if np.any(quiet != u):
         problem, u = problem.less(Drive(t, u - quiet)), quiet
@@ -144,11 +146,12 @@ def _followed(problem: Driven, course: Course, u: FloatArray, asked: Asked) -> t
         # a first model without mass cannot be followed, nor does it say what noise does
         with suppress(SimulationError):
             problem = _allowing(problem, first, noise_u)
-    force = acting(problem, u)
+    acts = None if told is None or told.way is None else _ways(problem, u)[told.way]
+    force = acting(problem, u, acts)
     hangs: tuple[str, ...] = ()
     for other in problem.pulled:
         otherwise = problem.pulled_by(other)
-        if (follows := acting(otherwise, u)).chi2 < FORCE_HELD.value * force.chi2:
+        if (follows := acting(otherwise, u, acts)).chi2 < FORCE_HELD.value * force.chi2:
             problem, force, hangs = otherwise, follows, (HANGS,)
     problem = replace(problem, drive=force.drive, otherwise=force.otherwise)
     horizon = asked.horizon
@@ -178,6 +181,26 @@ def _followed(problem: Driven, course: Course, u: FloatArray, asked: Asked) -> t
     where = "between gaps of the recording" if horizon is None else f"of at most {horizon:g} s"
     how = f"the recording is followed over {_said(problem.starts)} {where}, each from a start of its own"
     return problem, (f"driven: {how}", *notes)
+
+
+def _felt_of(problem: Driven, course: Course, u: FloatArray) -> Felt | None:
+    """What a position, if that is recorded, has felt of the force u (n,), N, as its motion between reversals tells."""
+    if "x" not in problem.channels:
+        return None
+    return felt(problem.t, problem.channels["x"], problem.noise["x"], course, problem.first, _ways(problem, u))
+
+
+def _unfelt(noise: Noise, told: Felt | None) -> Noise:
+    """The noise of a force, no more of it than the motion has not felt."""
+    if told is None or not noise.found or told.level >= noise.sigma:
+        return noise
+    return replace(noise, sigma=told.level, found=True) if told.level > 0.0 else replace(noise, found=False)
+
+
+def _ways(problem: Driven, u: FloatArray) -> list[Drive]:
+    """In which a force u (n,), N, may act between samples: held, straight, or smooth where the samples say so."""
+    t, usual = problem.t, problem.drive
+    return [held(t, u), Drive(t, u), *([usual] if usual.t.size != t.size else [])]
 
 
 def _instead(problem: Driven, course: Course, horizon: float) -> tuple[InverseDynamics, str] | None:

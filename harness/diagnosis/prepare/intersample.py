@@ -56,10 +56,11 @@ def held(t: FloatArray, u: FloatArray) -> Drive:
     return Drive(t, u, held=True)
 
 
-def acting(problem: Driven, u: FloatArray) -> Acting:
+def acting(problem: Driven, u: FloatArray, told: Drive | None = None) -> Acting:
     """How the force u (n,) acts, and whether the base model then follows the recording.
 
-    It acts as the samples themselves say where no other way lets the base model follow the recording better. The model
+    told : as it acts, where the motion between reversals says so; it stands if the base model then follows. Else it
+    acts as the samples themselves say where no other way lets the base model follow the recording better. The model
     strays where its misfit is hundreds of times what the sensor's noise is, as an encoder shows of a real drive, and
     where it cannot be simulated: then no law says the force well enough, and the force itself is what can be compared.
     """
@@ -77,17 +78,20 @@ def acting(problem: Driven, u: FloatArray) -> Acting:
             return in_turn(seen, found, scales, again)[1] if isinstance(seen.starts, Windows) else found
         return None
 
+    if told is not None and (found := followed(told)) is not None and found.chi2 < _STRAYS**2 * found.points:
+        return Acting(told, (), told.held, follows=True, model=found.model, chi2=found.chi2)
     usual, ways = followed(problem.drive), [held(problem.t, u)]
     if usual is None:
         return Acting(problem.drive, (), held=False, follows=False, model=first, chi2=math.inf)
     if lines.t.size != problem.drive.t.size and _seen(lines, usual, part):
         ways.append(lines)
     fits = [(one, way) for way in ways if (one := followed(way)) is not None]
-    found, drive = min(fits, key=lambda pair: pair[0].chi2, default=(usual, problem.drive))
-    if found.chi2 >= FORCE_HELD.value * usual.chi2:
-        found, drive = usual, problem.drive
+    nearest, drive = min(fits, key=lambda pair: pair[0].chi2, default=(usual, problem.drive))
+    if nearest.chi2 >= FORCE_HELD.value * usual.chi2:
+        nearest, drive = usual, problem.drive
     others = tuple(way for way in (problem.drive, *(way for _, way in fits)) if way is not drive)
-    return Acting(drive, others, drive.held, found.chi2 < _STRAYS**2 * found.points, found.model, found.chi2)
+    follows = nearest.chi2 < _STRAYS**2 * nearest.points
+    return Acting(drive, others, drive.held, follows, nearest.model, nearest.chi2)
 
 
 def _seen(lines: Drive, usual: Fit, problem: Driven) -> bool:

@@ -1,0 +1,123 @@
+"""How much of a measured force a slider has felt, and how it acted between samples, whatever laws the slider has.
+
+Over a window between two reversals what acts beside the force is smooth; the motion is its double integral, and that
+shows whether the force's scatter was felt (a controller's command, which its encoder stirs) or is a sensor's noise: a
+component of variance, by restricted likelihood (Patterson and Thompson 1971). A law that is missing bends long windows
+and can only make the noise seem larger; so the window that bounds it lowest tells it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from scipy.linalg import eigh
+
+from harness.core.arrays import FloatArray, IntArray
+from harness.diagnosis.rules import DECISIVE
+from harness.diagnosis.smoothed_state.state import Course, in_motion
+from harness.estimate.noise import Noise
+from harness.kernels.solve import Drive
+from harness.model.model import Model, Restoring
+
+_WIDTHS = 16, 24, 40, 64
+"""Samples of a window."""
+_DEGREE = 3
+"""Of the polynomial in time by which a position may depart within one: of all forces beside, a line."""
+_FEWEST, _MOST = 8, 200
+"""Windows that tell anything, and that are looked at."""
+_CLEAR = 2
+"""Samples that a window keeps from where the slider turns, rests or was not recorded."""
+_MASS = 0.9, 1.1
+"""Factors of the inertia that may be wrong: of one that is free more, a loop that hears its encoder's noise makes
+much."""
+_NOTHING = 1e-300
+"""A power that is none, whose logarithm is taken."""
+_SHARES = np.concatenate(([0.0], 2.0 ** np.arange(-26.0, 40.0, 0.25)))
+"""What noise of the force adds to a position within a window over the position's own, as variances."""
+
+
+@dataclass(frozen=True, slots=True)
+class Felt:
+    """level : standard deviation of the force's noise, N, the largest that is not decidedly less likely. way : in which
+    the force acted between samples, of those that were asked; None where the motion does not decide.
+    """
+
+    level: float
+    way: int | None
+
+
+def felt(t: FloatArray, q: FloatArray, own: Noise, course: Course, base: Model, ways: Sequence[Drive]) -> Felt | None:
+    """What a position q (n,) at t (n,), s, with noise ``own``, has felt of a force that acts in one of several ways.
+
+    base : what pulls back and damps, and the inertia, nearly. None where there are too few samples between reversals.
+    """
+    found: Felt | None = None
+    for width in _WIDTHS:
+        at = _windows(t, course, width)
+        if len(at) < _FEWEST:
+            continue
+        unlikely, level = zip(*(_of_way(t, q, own, base, way, at) for way in ways), strict=True)
+        order = np.argsort(unlikely)
+        best = int(order[0])
+        if found is None or level[best] < found.level:
+            sure = len(ways) == 1 or unlikely[order[1]] - unlikely[best] > DECISIVE.value
+            found = Felt(level[best], best if sure else None)
+    return found
+
+
+def _windows(t: FloatArray, course: Course, width: int) -> IntArray:
+    """Samples (k, width) of windows in which a slider neither turns nor rests, and nothing is missing."""
+    v = course.state[1]
+    side = np.where(in_motion(v), np.sign(v), 0.0)
+    cut = np.flatnonzero((side[1:] != side[:-1]) | (np.diff(t) > course.longest)) + 1
+    edges = np.concatenate(([0], cut, [t.size]))
+    runs = [(a + _CLEAR, b - _CLEAR) for a, b in pairwise(edges) if side[a] != 0.0]
+    first = np.concatenate([np.arange(a, b - width + 1, width) for a, b in runs] or [np.empty(0, np.int64)])
+    if first.size > _MOST:
+        first = first[np.linspace(0, first.size - 1, _MOST).astype(np.int64)]
+    return np.asarray(first[:, None] + np.arange(width), dtype=np.int64)
+
+
+def _of_way(t: FloatArray, q: FloatArray, own: Noise, base: Model, way: Drive, at: IntArray) -> tuple[float, float]:
+    """-2 log L at best, and the largest noise of the force, N, that is not decidedly less likely."""
+    x, width = q[at], at.shape[1]
+    pull = np.sin(x) if base.restoring is Restoring.PENDULUM else x - x[:, :1]
+    once, h = _summed(x - x[:, :1], t[at]), float(np.median(np.diff(t)))
+    left = x + (base.c * once + base.k * _summed(_summed(pull, t[at]), t[at])) / base.m
+    place, force = np.linspace(-1.0, 1.0, width), _twice(way, t)[at] / base.m
+    full, _ = np.linalg.qr(np.vander(place, _DEGREE + 1), mode="complete")
+    rest = full[:, _DEGREE + 1 :]
+    both = np.stack(((left - x[:, :1]) @ rest, (force - force[:, :1]) @ rest))
+    since: FloatArray = h * np.arange(float(width))
+    each: list[FloatArray] = [*np.eye(width)]
+    unit = np.column_stack([_twice(Drive(since, one, way.held), since) for one in each]) / base.m
+    size = float(np.trace(unit @ unit.T)) / width
+    colour = own.phi ** np.abs(np.subtract.outer(np.arange(width), np.arange(width))) if own.phi else np.eye(width)
+    # in directions in which both noises are independent: one variance each, whatever their shares
+    spread, turned = eigh(rest.T @ (unit @ unit.T / size) @ rest, rest.T @ colour @ rest)
+    z, y = (one @ turned for one in both)
+    zz, zy, yy = np.sum(z * z, axis=0), np.sum(z * y, axis=0), np.sum(y * y, axis=0)
+    variance = 1.0 + _SHARES[:, None] * np.maximum(spread, 0.0)
+    power, shared = (1.0 / variance) @ yy, (1.0 / variance) @ zy
+    factor = np.clip(shared / np.maximum(power, _NOTHING), *_MASS)
+    off = np.maximum((1.0 / variance) @ zz - 2.0 * factor * shared + factor**2 * power, _NOTHING) / z.size
+    unlikely = z.size * np.log(off) + len(at) * np.sum(np.log(variance), axis=1)
+    levels = np.sqrt(_SHARES / size * off)
+    return float(np.min(unlikely)), float(np.max(levels[unlikely <= np.min(unlikely) + DECISIVE.value]))
+
+
+def _summed(y: FloatArray, t: FloatArray) -> FloatArray:
+    """Integral over time from the first sample of each window, (k, width)."""
+    steps = 0.5 * (y[:, 1:] + y[:, :-1]) * np.diff(t, axis=1)
+    return np.concatenate((np.zeros((len(y), 1)), np.cumsum(steps, axis=1)), axis=1)
+
+
+def _twice(drive: Drive, t: FloatArray) -> FloatArray:
+    """Double integral (n,) of a force at t (n,), s, which rises, N s^2."""
+    at = np.union1d(drive.t, t)
+    u, h = drive.at(at), np.diff(at)
+    begin, end = u[:-1], u[:-1] if drive.held else u[1:]
+    v = np.concatenate(([0.0], np.cumsum(0.5 * (begin + end) * h)))
+    x = np.concatenate(([0.0], np.cumsum(v[:-1] * h + (2.0 * begin + end) / 6.0 * h * h)))
+    return np.asarray(x[np.searchsorted(at, t)], dtype=np.float64)
