@@ -331,8 +331,8 @@ def pushed(
 
 
 # places in the numbers of a servo: duty over rad, N m at all of it, most of it, s by which goals are late, rad of its
-# encoder's step, and what that shows where the joint hangs
-GAIN, STALL, MOST, LATER, STEP, REST = range(6)
+# encoder's step, what that shows where the joint hangs, and N m s/rad of the motor's own in c
+GAIN, STALL, MOST, LATER, STEP, REST, OWN = range(7)
 
 
 @compiled
@@ -367,7 +367,7 @@ def served(
                 u /= (1.0 + abs(u * p[LIMIT]) ** 6) ** (1.0 / 6.0)
             if p[GEAR] != 0.0:
                 # what the teeth carry: the load's torque and the motor's, from a preload on
-                carried = u + b[2] * math.sin(s[X])
+                carried = u - servo[OWN] * s[V] + b[2] * math.sin(s[X])
                 now[3] = b[3] + p[GEAR] * (math.sqrt(carried**2 + p[GEAR_U] ** 2) - p[GEAR_U])
             for _ in range(2):
                 side, stuck = _advance(s, side, stuck, t, 0.5 * h, u, 0.0, now, p, tables, w)

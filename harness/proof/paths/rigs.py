@@ -407,7 +407,7 @@ def _servo(rng: Rng) -> Rig:
     inertia, pull, f_k, c = (_between(rng, *one) for one in ((0.024, 0.09), (0.15, 1.2), (0.02, 0.12), (0.02, 0.08)))
     dt, rest = 1.0 / float(rng.choice([30.0, 50.0])), rng.uniform(-math.pi, math.pi)
     t = dt * np.arange(float(round(rng.uniform(25.0, 40.0) / dt)))
-    gains = np.array([GAIN, STALL * VOLTS * rng.uniform(0.85, 1.15), MOST, rng.uniform(0.002, 0.03), STEP, rest])
+    gains = np.array([GAIN, STALL * VOLTS * rng.uniform(0.85, 1.15), MOST, rng.uniform(0.002, 0.03), STEP, rest, BRAKE])
     noise, b = STEP * rng.uniform(0.5, 1.5), np.array([inertia, c + BRAKE, pull, f_k, 1.0])
     sigma = math.hypot(noise, STEP / math.sqrt(12.0)), noise, 0.0
     # led so that its duty is never all there is, which nobody who does not name the servo can know of
