@@ -43,7 +43,8 @@ def diagnosed(recording: bytes, arguments: Sequence[str]) -> dict[str, Any]:
     named: dict[str, Any] = dict(zip((one.removeprefix("--") for one in arguments[::2]), arguments[1::2], strict=True))
     files = unpacked(recording)
     if files is None:
-        options = _options({"restoring": "spring", "zero": "spring"} | named)
+        held = {} if "restoring" in named else {"restoring": "spring", "zero": "spring"}
+        options = _options({**named, **held})
         with spooled(io.BytesIO(recording)) as path:
             result = answer(read_as("-", path, options.reading), options)
     else:
