@@ -1,9 +1,9 @@
 """How much of a measured force a slider has felt, and how it acted between samples, whatever laws the slider has.
 
-Over a window between two reversals what acts beside the force is smooth; the motion is its double integral, and that
-shows whether the force's scatter was felt (a controller's command, which its encoder stirs) or is a sensor's noise: a
-component of variance, by restricted likelihood (Patterson and Thompson 1971). A law that is missing bends long windows
-and can only make the noise seem larger; so the window that bounds it lowest tells it.
+Over a window between two reversals what acts beside the force, damping and what pulls back is smooth; the motion is
+their double integral, and that shows whether the force's scatter was felt (a controller's command, which its encoder
+stirs) or is a sensor's noise: a component of variance, by restricted likelihood (Patterson and Thompson 1971). A law
+that is missing bends long windows and can only make the noise seem larger; so the window that bounds it lowest tells.
 """
 
 from collections.abc import Sequence
@@ -33,6 +33,8 @@ _MASS = 0.9, 1.1
 much."""
 _NOTHING = 1e-300
 """A power that is none, whose logarithm is taken."""
+_RANK = 1e-12
+"""Of what is free, below which one part of it is as another."""
 _SHARES = np.concatenate(([0.0], 2.0 ** np.arange(-26.0, 40.0, 0.25)))
 """What noise of the force adds to a position within a window over the position's own, as variances."""
 
@@ -83,28 +85,41 @@ def _of_way(t: FloatArray, q: FloatArray, own: Noise, base: Model, way: Drive, a
     """-2 log L at best, and the largest noise of the force, N, that is not decidedly less likely."""
     x, width = q[at], at.shape[1]
     pull = np.sin(x) if base.restoring is Restoring.PENDULUM else x - x[:, :1]
-    once, h = _summed(x - x[:, :1], t[at]), float(np.median(np.diff(t)))
-    left = x + (base.c * once + base.k * _summed(_summed(pull, t[at]), t[at])) / base.m
-    place, force = np.linspace(-1.0, 1.0, width), _twice(way, t)[at] / base.m
-    full, _ = np.linalg.qr(np.vander(place, _DEGREE + 1), mode="complete")
-    rest = full[:, _DEGREE + 1 :]
-    both = np.stack(((left - x[:, :1]) @ rest, (force - force[:, :1]) @ rest))
-    since: FloatArray = h * np.arange(float(width))
-    each: list[FloatArray] = [*np.eye(width)]
+    once, force = _summed(x - x[:, :1], t[at]), _twice(way, t)[at] / base.m
+    columns = [x - x[:, :1], force - force[:, :1], once]
+    if base.restoring is not Restoring.NONE:
+        columns.append(_summed(_summed(pull, t[at]), t[at]))
+    full, _ = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, width), _DEGREE + 1), mode="complete")
+    rest, each = full[:, _DEGREE + 1 :], [np.asarray(one) for one in np.eye(width)]
+    since: FloatArray = float(np.median(np.diff(t))) * np.arange(float(width))
     unit = np.column_stack([_twice(Drive(since, one, way.held), since) for one in each]) / base.m
     size = float(np.trace(unit @ unit.T)) / width
     colour = own.phi ** np.abs(np.subtract.outer(np.arange(width), np.arange(width))) if own.phi else np.eye(width)
     # in directions in which both noises are independent: one variance each, whatever their shares
     spread, turned = eigh(rest.T @ (unit @ unit.T / size) @ rest, rest.T @ colour @ rest)
-    z, y = (one @ turned for one in both)
-    zz, zy, yy = np.sum(z * z, axis=0), np.sum(z * y, axis=0), np.sum(y * y, axis=0)
+    seen = np.stack([one @ rest @ turned for one in columns])
+    count = seen[0].size
     variance = 1.0 + _SHARES[:, None] * np.maximum(spread, 0.0)
-    power, shared = (1.0 / variance) @ yy, (1.0 / variance) @ zy
-    factor = np.clip(shared / np.maximum(power, _NOTHING), *_MASS)
-    off = np.maximum((1.0 / variance) @ zz - 2.0 * factor * shared + factor**2 * power, _NOTHING) / z.size
-    unlikely = z.size * np.log(off) + len(at) * np.sum(np.log(variance), axis=1)
+    products = np.einsum("se,ike,jke->sij", 1.0 / variance, seen, seen, optimize=True)
+    off = np.array([_left(one) for one in products]) / count
+    unlikely = count * np.log(np.maximum(off, _NOTHING)) + len(at) * np.sum(np.log(variance), axis=1)
     levels = np.sqrt(_SHARES / size * off)
     return float(np.min(unlikely)), float(np.max(levels[unlikely <= np.min(unlikely) + DECISIVE.value]))
+
+
+def _left(products: FloatArray) -> float:
+    """What is left of a position's power by the force, at nearly the base's inertia, and all that is free; of the
+    products (k, k) of both and that.
+    """
+    size = np.sqrt(np.maximum(np.diag(products), _NOTHING))
+    scaled = products / np.outer(size, size)
+    found = np.linalg.lstsq(scaled[1:, 1:], scaled[1:, 0], rcond=_RANK)[0]
+    factor = found[0] * size[0] / size[1]
+    if not _MASS[0] <= factor <= _MASS[1]:
+        found[0] = min(max(factor, _MASS[0]), _MASS[1]) * size[1] / size[0]
+        found[1:] = np.linalg.lstsq(scaled[2:, 2:], scaled[2:, 0] - found[0] * scaled[2:, 1], rcond=_RANK)[0]
+    left = np.concatenate(([1.0], -found))
+    return float(left @ scaled @ left) * float(products[0, 0])
 
 
 def _summed(y: FloatArray, t: FloatArray) -> FloatArray:

@@ -51,8 +51,8 @@ def outcome(truth: Truth, result: Result | None) -> str:
         return NAMED if mains <= right else WRONG
     if listed:
         return LISTED if listed & right else WRONG
-    changed = changes(result) - set(truth.get("changes", ())) if truth["group"] == CONTROL else set()
-    return WRONG if changed and "changes" in truth else SILENT
+    beside_own = "changes" in truth and truth["group"] == CONTROL
+    return WRONG if beside_own and changes(result) - set(truth["changes"]) else SILENT
 
 
 def changes(result: Result | None) -> set[str]:
