@@ -84,7 +84,7 @@ def _windows(t: FloatArray, course: Course, width: int) -> IntArray:
 def _of_way(t: FloatArray, q: FloatArray, own: Noise, base: Model, way: Drive, at: IntArray) -> tuple[float, float]:
     """-2 log L at best, and the largest noise of the force, N, that is not decidedly less likely."""
     x, width = q[at], at.shape[1]
-    pull = np.sin(x) if base.restoring is Restoring.PENDULUM else x - x[:, :1]
+    pull = np.sin(x - base.offset) if base.restoring is Restoring.PENDULUM else x - x[:, :1]
     once, force = _summed(x - x[:, :1], t[at]), _twice(way, t)[at] / base.m
     columns = [x - x[:, :1], force - force[:, :1], once]
     if base.restoring is not Restoring.NONE:
