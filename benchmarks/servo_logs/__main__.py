@@ -52,7 +52,7 @@ class Joint:
 
     def run(self, seconds: float, rng: np.random.Generator) -> tuple[Run, float]:
         """A log of another motion, and rms of the sensor's noise and steps in it, rad."""
-        t: FloatArray = np.arange(round(seconds / self.rig.dt)) * self.rig.dt
+        t = self.rig.dt * np.arange(round(seconds / self.rig.dt), dtype=np.float64)
         rig = replace(self.rig, drive=(goals(t, rng),))
         x = rig.run(self.p)[:, 0]
         seen = spoiled(rig, {"x": x}, rng)["x"]

@@ -66,6 +66,7 @@ def test_a_servo_asks_for_no_more_than_it_has_and_rests_where_torques_balance() 
     n = 300
     held = replace(rig, drive=(np.full(n, rig.zero + 0.4),))
     x = held.run(BARE)[:, 0]
+    assert rig.gains is not None
     gain, stall = rig.gains[plant.GAIN], rig.gains[plant.STALL]
     assert np.ptp(x[-50:]) == 0.0
     # at rest the servo's torque holds gravity to within dry friction, a step of the encoder and one of the duty

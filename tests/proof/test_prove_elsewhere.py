@@ -85,6 +85,7 @@ def ledger_of(job: Job, case: Drawn) -> Ledger:
         pytest.param(WHEEL, lambda answer: stronger(answer, 1.02), id="a strength of a main effect"),
         pytest.param(WHEEL, lambda answer: noisier(answer, 1.02), id="a noise"),
         pytest.param(BESIDE, lambda answer: stronger(answer, 0.6), id="a strength of a control by far"),
+        pytest.param(BESIDE, lambda answer: stronger(answer, 0.45), id="further than others, and still small"),
     ],
 )
 def test_a_machine_whose_fits_end_elsewhere_is_the_sealed_one(job: Job, moved: Callable[[Answer], Answer]) -> None:
@@ -94,6 +95,16 @@ def test_a_machine_whose_fits_end_elsewhere_is_the_sealed_one(job: Job, moved: C
     ledger = ledger_of(job, there)
     assert check_recording(ledger, there, job) == Redrawn(own.name, True, "")
     assert check_recording(ledger, own, job) == Redrawn(own.name, False, "", elsewhere=True)
+
+
+def test_no_small_effect_is_sealed_as_strong_as_none_may_be(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("harness.proof.machines.made.ATTEMPTS", 1)
+    asked = stronger(dict(own_of(BESIDE).answer), 6.0)
+    try:
+        again = drawing.drawn(SEED, BESIDE, Sealed.of(asked)).answer
+    except SimulationError:
+        return
+    assert again["plant"] != asked["plant"]
 
 
 def test_a_draw_that_is_not_taken_here_is_the_sealed_one(monkeypatch: pytest.MonkeyPatch) -> None:

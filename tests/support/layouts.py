@@ -595,7 +595,7 @@ def _local(numbers: np.ndarray, digits: int, thousands: str, decimal: str) -> li
 
 def thousands_parted(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
     """As a German, an English and a Swiss spreadsheet print whole ms and tenths of a µm."""
-    thousands, decimal = [".,", ",.", "'."][int(rng.integers(3))]
+    thousands, decimal = [(".", ","), (",", "."), ("'", ".")][int(rng.integers(3))]
     cells = zip(_local(1e3 * m.t, 0, thousands, decimal), _local(1e6 * m.x, 1, thousands, decimal), strict=True)
     body = [f"{t};{x}" for t, x in cells]
     return lines(folder / "tabelle.csv", "Zeit (ms);Weg (µm)", *body), {"t": m.t, "x": m.x}
