@@ -269,6 +269,8 @@ def prove(
     outside: int | None = None,
     machines: bool = False,
     paths: int | None = None,
+    real: int | None = None,
+    folder: File | None = None,
     short: bool = False,
     resume: bool = False,
     jobs: int | None = None,
@@ -278,23 +280,36 @@ def prove(
 
     out : folder, which anybody can verify; None for none. singles, controls, pairs, outside : recordings of each group,
     None for the full number. machines : recordings of machines instead. paths : so many on every way that gives a
-    verdict instead. short : few in all, no evidence. resume : go on
-    with what the folder holds. jobs : processes, None for one a core. Raises InputError, StoreError.
+    verdict instead. real : so many exact effects on the recordings of real machines in ``folder`` instead.
+    short : few in all, no evidence. resume : go on with what the folder holds. jobs : processes, None for one a core.
+    Raises InputError, StoreError.
     """
     from harness.app.prove.prove import ProveOptions
     from harness.app.prove.prove import prove as computed
 
     sizes = {"singles": singles, "controls": controls, "pairs": pairs, "outside": outside}
     given = {name: value for name, value in sizes.items() if value is not None}
-    options = ProveOptions.chosen(given, short, machines, paths or 0, jobs=jobs, resume=resume)
-    return kept(out, "proof", lambda folder: computed(options, folder))
+    options = ProveOptions.chosen(
+        given,
+        short,
+        machines,
+        paths or 0,
+        real or 0,
+        jobs=jobs,
+        resume=resume,
+        folder=None if folder is None else Path(folder),
+    )
+    return kept(out, "proof", lambda place: computed(options, place))
 
 
-def verify_proof(folder: File, *, short: bool = False, jobs: int | None = None) -> ProofCheck:
+def verify_proof(
+    folder: File, *, short: bool = False, jobs: int | None = None, source: File | None = None
+) -> ProofCheck:
     """A published proof computed again; ``result.accepted``, and ``result.wrong`` names what was changed.
 
-    short : draw a sample of the recordings again and not all. Raises InputError for a folder that holds none.
+    short : draw a sample of the recordings again and not all. source : folder of the recordings of real machines,
+    without which what was made from them is not drawn again. Raises InputError for a folder that holds none.
     """
     from harness.app.prove.verify import verify_proof as computed
 
-    return computed(Path(folder), short, jobs)
+    return computed(Path(folder), short, jobs, source=None if source is None else Path(source))

@@ -1,6 +1,6 @@
 """Puts a finished full proof where it is published: ``python -m benchmarks.publish proof DIR``.
 
-A proof on recordings of machines goes to reports/proof-machines, any other to reports/proof.
+A proof on other recordings than the first one's goes to a folder of its own: proof-machines, proof-paths, proof-real.
 """
 
 import shutil
@@ -25,7 +25,7 @@ def place_of(proof: Path) -> Path:
         raise HarnessError(f"{proof} holds no finished proof; expected the folder of one") from None
     if sizes.singles:
         return Path("reports/proof")
-    return Path("reports/proof-paths" if sizes.paths else "reports/proof-machines")
+    return Path("reports", "proof-real" if sizes.real else "proof-paths" if sizes.paths else "proof-machines")
 
 
 def publish(proof: Path, into: Path) -> int:

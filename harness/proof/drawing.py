@@ -1,7 +1,7 @@
 """From a job of the plan to a recording and its answer: both follow from the seed and the job's place alone."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, cast
 
 import numpy as np
@@ -14,8 +14,11 @@ from harness.proof.machines.kinds import FREE
 from harness.proof.machines.kinds import Job as MachineJob
 from harness.proof.machines.made import made
 from harness.proof.paths import made as paths
-from harness.proof.plan import DETECTION, MACHINE, PAIR, PATH, PLANT, Job, possible_pairs
+from harness.proof.plan import DETECTION, MACHINE, PAIR, PATH, PLANT, REAL, Job, possible_pairs
 from harness.proof.plant.cases import Case, csv_text, draw, truth
+from harness.proof.real.made import Wanted
+from harness.proof.real.made import made as of_real
+from harness.proof.real.measured import Measured, Rig
 from harness.proof.seal import Sealed, digest
 
 ATTEMPTS = 5
@@ -59,10 +62,18 @@ def _secret(seed: int, use: str, index: int) -> str:
     return digest(f"{seed:x} {use} {index}".encode())
 
 
-def drawn(seed: int, job: Job, sealed: SealedMachine | None = None) -> Drawn:
+@dataclass(frozen=True, slots=True)
+class AtHand:
+    """Recordings of real machines by file: what the transcript says of each, and its samples."""
+
+    rigs: Mapping[str, Rig] = field(default_factory=dict)
+    measured: Mapping[str, Measured] = field(default_factory=dict)
+
+
+def drawn(seed: int, job: Job, sealed: SealedMachine | None = None, at_hand: AtHand | None = None) -> Drawn:
     """Draw a job; raises SimulationError when nothing concealed and decidable came out.
 
-    sealed : what the answer of a machine says that fits decide.
+    sealed : what the answer of a machine says that fits decide. at_hand : what real machines are made from.
     """
     about = {"index": job.index, "group": job.group}
     if job.source == MACHINE:
@@ -71,6 +82,10 @@ def drawn(seed: int, job: Job, sealed: SealedMachine | None = None) -> Drawn:
     if job.source == PATH:
         one = paths.made(seed, job.index, job.setting, job.group, "".join(job.kinds))
         return Drawn(name_of(seed, job.index), one.recording, {**one.answer, **about})
+    if job.source == REAL:
+        given, wanted = at_hand or AtHand(), Wanted(job.group, job.files, "".join(job.kinds))
+        data, told = of_real(seed, job.index, wanted, given.rigs, given.measured)
+        return Drawn(name_of(seed, job.index), data, {**told, **about})
     if job.group == DETECTION:
         (step,) = draw_series(job.kinds[0], seed, job.series, LOSSES[job.level : job.level + 1])
         case, answer = step.case, step.answer()

@@ -17,9 +17,12 @@ from harness.proof.paths.forms import FIRST
 from harness.proof.paths.forms import PATHS as WAYS
 from harness.proof.paths.made import ways
 from harness.proof.plant.effects import ALIENS, KINDS, compatible
+from harness.proof.real.made import Files
+from harness.proof.real.made import wanted as of_machines_at_hand
+from harness.proof.real.measured import Rig
 
 SINGLE, CONTROL, PAIR, OUTSIDE, DETECTION = "single", "control", "pair", "outside", "detection"
-PLANT, MACHINE, PATH = "plant", "machine", "path"
+PLANT, MACHINE, PATH, REAL = "plant", "machine", "path", "real"
 ENGINE_EVERY = 8
 """Of so many recordings of a group that an engine can make, each engine makes one."""
 CONTROL_SETTINGS = {"driven": 0.04, "pendulum": 0.03, "axis": 0.03}
@@ -34,6 +37,7 @@ class Sizes:
     """How many recordings of each group. Raises InputError for a negative number and for none at all.
 
     ways : over how many of the ways, from the first, ``paths`` are spread; 0 for those of the first published proof.
+    real : constructed effects on recordings that were given; whatever else these can be asked comes besides.
     """
 
     singles: int = 300
@@ -43,6 +47,7 @@ class Sizes:
     machines: int = 0
     paths: int = 0
     ways: int = 0
+    real: int = 0
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -54,13 +59,13 @@ class Sizes:
 
     @property
     def total(self) -> int:
-        return self.singles + self.controls + self.pairs + self.outside + self.machines + self.paths
+        return self.singles + self.controls + self.pairs + self.outside + self.machines + self.paths + self.real
 
     @property
     def is_evidence(self) -> bool:
         """Whether so many recordings can carry the figures a proof speaks of."""
         enough = self.paths >= LEAST_OF_A_WAY * (self.ways or FIRST)
-        return enough or any(self.covers(full) for full in (FULL, MACHINES))
+        return enough or self.real >= REAL_LEAST or any(self.covers(full) for full in (FULL, MACHINES))
 
     def covers(self, other: "Sizes") -> bool:
         """Whether no group is smaller."""
@@ -78,6 +83,8 @@ MACHINES, SHORT_MACHINES = Sizes(0, 0, 0, 0, machines=600), Sizes(0, 0, 0, 0, ma
 LEAST_OF_A_WAY = 16
 """Recordings of each way, half of them controls: of nine ways, none wrong of 72 bounds false alarms at 5 %. Every
 figure has its interval, and one whose bound is asked falls short where the cases are too few for it."""
+REAL_LEAST = 200
+"""Constructed effects on real machines, as every figure with its interval over machines."""
 OF_A_WAY = 600
 """Of each 300 controls, 225 effects and, over all, an eighth unknown ones."""
 
@@ -87,6 +94,7 @@ def on_ways(recordings: int) -> Sizes:
     return Sizes(0, 0, 0, 0, paths=recordings, ways=len(WAYS))
 
 
+SHORT_REAL = 24
 PATHS, SHORT_PATHS = on_ways(OF_A_WAY * len(WAYS)), on_ways(24)
 
 
@@ -97,7 +105,7 @@ class Job:
     index : its place, from which its chance follows. group : "single", "control", "pair", "outside", "detection", or
     one of a machine or of a way. source : what makes the motion. kinds : what is hidden, () in a control; of a machine
     the main effect, of a way the form. setting, noise : as in harness.proof.plant.cases.draw; of a machine its kind, of
-    a way its name. series, level : of the detection curve, which case it is at which noise.
+    a way its name. series, level : of the detection curve, which case it is at which noise. files : of a real machine.
     """
 
     index: int
@@ -108,12 +116,13 @@ class Job:
     noise: str
     series: int = 0
     level: int = 0
+    files: Files = ((), ())
 
 
-def plan(sizes: Sizes, seed: int) -> list[Job]:
+def plan(sizes: Sizes, seed: int, rigs: Sequence[Rig] = ()) -> list[Job]:
     """The jobs of a proof in random order; kinds cycle: each occurs as often as any other, give or take one.
 
-    A proof that is evidence has the detection curve besides.
+    A proof that is evidence has the detection curve besides. rigs : recordings of real machines that were given.
     """
     rng = np.random.default_rng([seed, 0])
     pairs = possible_pairs()
@@ -135,6 +144,9 @@ def plan(sizes: Sizes, seed: int) -> list[Job]:
         drafts.append(Job(0, one.group, MACHINE, (one.main,) if one.main else (), one.kind.name, ""))
     for path, group, form in ways(sizes.paths, np.random.default_rng([seed, 4]), sizes.ways or FIRST):
         drafts.append(Job(0, group, PATH, (form,) if form else (), path, ""))
+    for wanted in of_machines_at_hand(rigs, sizes.real, np.random.default_rng([seed, 7])):
+        effect = (wanted.effect,) if wanted.effect else ()
+        drafts.append(Job(0, wanted.group, REAL, effect, "", "", files=wanted.files))
     if sizes.covers(FULL):
         drafts += [
             Job(0, DETECTION, PLANT, (kind,), "decay", "white", series, level)

@@ -27,6 +27,21 @@ class Rate(RateResult):
         high = float(beta.ppf(1.0 - TAILS[0], k + 1, n - k)) if k < n else 1.0
         return cls(hits=k, cases=n, value=k / n, low=low, high=high)
 
+    @classmethod
+    def over(cls, groups: Mapping[str, Sequence[bool]], seed: int = 0) -> Self:
+        """A share whose interval is resampled over groups of like cases, and no narrower than that of unlike ones.
+
+        Resampling alone would say of none wrong on three machines that none ever is.
+        """
+        exact = cls.of([hit for outcomes in groups.values() for hit in outcomes])
+        if exact.low is None or exact.high is None:
+            return exact
+        counts = np.array([(sum(outcomes), len(outcomes)) for outcomes in groups.values()], dtype=np.float64)
+        picks = np.random.default_rng(seed).integers(len(counts), size=(RESAMPLES, len(counts)))
+        hits, cases = counts[picks].sum(axis=1).T
+        low, high = np.quantile(hits / cases, TAILS)
+        return exact.model_copy(update={"low": min(exact.low, float(low)), "high": max(exact.high, float(high))})
+
     def as_dict(self) -> dict[str, Any]:
         return self.model_dump()
 

@@ -13,6 +13,8 @@ from harness.proof.paths import score as of_paths
 from harness.proof.paths.made import GROUPS as PATH_GROUPS
 from harness.proof.plan import CONTROL, DETECTION, OUTSIDE, PAIR, SINGLE
 from harness.proof.plant.effects import KINDS
+from harness.proof.real import score as of_real
+from harness.proof.real.made import GROUPS as REAL_GROUPS
 from harness.proof.score import Answer, Result, Truth, forced, of_another_family, score
 from harness.proof.statistics import figures
 
@@ -50,6 +52,8 @@ def tally(answers: Mapping[str, Truth], verdicts: Mapping[str, Verdicts], seed: 
     on_paths = {name: truth for name, truth in answers.items() if truth["group"] in PATH_GROUPS}
     rows = scores.figures if scored else []
     rows += of_paths.found(on_paths, ours) if on_paths else []
+    of_rigs = {name: truth for name, truth in answers.items() if truth["group"] in REAL_GROUPS}
+    rows += of_real.found(of_rigs, ours) if of_rigs else []
     if machines:
         rows += figures(of_machines.score(machines, ours), of_machines.ASKED, "machines_")
     short = [row.sentence for row in rows if row.met is False]
@@ -71,12 +75,14 @@ def tally(answers: Mapping[str, Truth], verdicts: Mapping[str, Verdicts], seed: 
         "baselines": [one.model_dump() for one in margins],
         "detection": curve(steps, ours).model_dump() if steps else None,
         "paths": of_paths.paths(on_paths, ours).model_dump() if on_paths else None,
-        "cases": [_case(name, answers[name], ours.get(name)) for name in sorted(answers)],
+        "real": of_real.real(of_rigs, ours).model_dump() if of_rigs else None,
+        "cases": [_case(name, answers, ours) for name in sorted(answers)],
     }
 
 
-def _case(name: str, truth: Truth, result: Result | None) -> dict[str, Any]:
+def _case(name: str, answers: Mapping[str, Truth], results: Mapping[str, Result]) -> dict[str, Any]:
     """One recording in a line: what was hidden, what was said."""
+    truth, result = answers[name], results.get(name)
     answer = Answer.of(result)
     hidden = sorted(truth["mechanisms"])
     if truth["group"] == OUTSIDE:
@@ -85,6 +91,8 @@ def _case(name: str, truth: Truth, result: Result | None) -> dict[str, Any]:
         right = of_machines.right(truth, result)
     elif truth["group"] in PATH_GROUPS:
         right = of_paths.right(truth, result)
+    elif truth["group"] in REAL_GROUPS:
+        right = of_real.right(name, answers, results)
     elif hidden:
         right = sorted(answer.said) == hidden
     else:
@@ -97,11 +105,11 @@ def _case(name: str, truth: Truth, result: Result | None) -> dict[str, Any]:
         "channels": truth["channels"],
         "points": truth["points"],
         "hidden": hidden,
-        "said": answer.label,
+        "said": of_real.said(result) if truth["group"] in REAL_GROUPS else answer.label,
         "near": sorted(answer.near - set(answer.said)),
         "right": right,
         "loss": truth["base_chi2_excess"],
-        "r2": min(truth["base_r2"]),
+        "r2": min(truth["base_r2"], default=None),
     }
 
 

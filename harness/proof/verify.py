@@ -12,6 +12,7 @@ from harness.proof.drawing import Drawn, drawn, name_of, probes_of, sealed_answe
 from harness.proof.machines.cases import Sealed as SealedMachine
 from harness.proof.paths.files import numbers_in
 from harness.proof.plan import MACHINE, Job, Sizes, plan
+from harness.proof.real.measured import Rig, rigs_of
 from harness.proof.seal import PUBLISHED, RESUMED, STEPS, Ledger, Sealed, digest
 
 ROUNDING = 1e-6
@@ -93,7 +94,13 @@ def check_plan(ledger: Ledger) -> list[str]:
 
 
 def planned_jobs(ledger: Ledger) -> list[Job]:
-    return plan(Sizes.of(ledger.content(STEPS[0])["sizes"]), int(ledger.content(STEPS[3])["seed"]["value"]))
+    sizes = Sizes.of(ledger.content(STEPS[0])["sizes"])
+    return plan(sizes, int(ledger.content(STEPS[3])["seed"]["value"]), sealed_rigs(ledger))
+
+
+def sealed_rigs(ledger: Ledger) -> list[Rig]:
+    """Recordings of real machines that a proof was begun with."""
+    return rigs_of(ledger.content(STEPS[0]).get("rigs", []))
 
 
 def check_verdicts(ledger: Ledger, who: str | None, verdicts: Mapping[str, bytes]) -> list[str]:

@@ -132,6 +132,29 @@ class PathsResult(Result):
     reliability: list[ReliabilityBin]
 
 
+class RealMachine(Result):
+    """One real machine, by itself."""
+
+    RATES: ClassVar[tuple[str, ...]] = ("told", "moved", "wrong", "alarms", "switched", "switched_wrong", "repeats")
+
+    machine: str
+    files: int
+    told: RateResult = Field(description="constructed laws that were named or listed")
+    moved: RateResult = Field(description="constructed gain, clock and damping of which their number alone moved")
+    wrong: RateResult = Field(description="constructed effects that were called another, or moved another number")
+    alarms: RateResult = Field(description="constructed delays that were called anything")
+    switched: RateResult = Field(description="two conditions of which the cause came first and moved alone")
+    switched_wrong: RateResult = Field(description="two conditions that were given another cause")
+    repeats: RateResult = Field(description="one condition recorded twice and called different")
+
+
+class RealResult(Result):
+    """Recordings of real machines that were given."""
+
+    machines: list[RealMachine]
+    not_run: list[str] = Field(description="what these files could not be asked, a sentence each")
+
+
 class ProofCase(Result):
     """One recording: what was hidden, what was said."""
 
@@ -145,8 +168,12 @@ class ProofCase(Result):
     said: str
     near: list[str] = Field(description="names that were not ruled out")
     right: bool
-    loss: float = Field(description="chi-square that the best viscous and Coulomb fit loses to the truth")
-    r2: float = Field(description="R^2 of that fit, the worse channel")
+    loss: float | None = Field(
+        description="chi-square that the best viscous and Coulomb fit loses to the truth; null of a real machine"
+    )
+    r2: float | None = Field(
+        description="R^2 of that fit, the worse channel; null where a real machine's force is not measured"
+    )
 
 
 class ProofSizes(Result):
@@ -159,6 +186,7 @@ class ProofSizes(Result):
     machines: int = Field(default=0, description="recordings of machines, half of them controls")
     paths: int = Field(default=0, description="recordings on all ways that give a verdict, half of them controls")
     ways: int = Field(default=0, description="on how many ways; 0 for the nine of the first published proof")
+    real: int = Field(default=0, description="effects constructed on recordings of real machines")
 
 
 class ProofResult(Paged):
@@ -182,6 +210,10 @@ class ProofResult(Paged):
     baselines: list[BaselineMargin]
     detection: Detection | None = Field(description="null in a proof that is no evidence")
     paths: PathsResult | None = Field(default=None, description="null in a proof without recordings on all ways")
+    real: RealResult | None = Field(default=None, description="null in a proof without real machines")
+    absent: list[str] = Field(
+        default_factory=list, description="listed recordings of real machines that were not at hand: not run"
+    )
     cases: list[ProofCase]
     diagnosis_s: float = Field(description="time that all diagnoses took, added up, s")
     machine: Machine

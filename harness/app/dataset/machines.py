@@ -1,7 +1,7 @@
 """Real machines: published recordings that lie in a folder, each diagnosed, beside what other fits of them said."""
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import resources
 from pathlib import Path
@@ -24,14 +24,16 @@ LIST = "machines.toml"
 FILES = {"result": "result.json", "page": "report.html"}
 _READ = {"columns": "columns", "skip_rows": "skip_rows", "rate": "rate", "from": "start", "to": "stop"}
 _CHOSEN = {"restoring": "restoring", "zero": "zero", "mass": "mass", "covariate": "covariates", "horizon": "horizon"}
-_WORDS = ("name", "file", "source", "options", "others")
+_WORDS = ("name", "file", "source", "options", "others", "machine", "condition", "moves")
 
 
 @dataclass(frozen=True, slots=True)
 class Listed:
     """A recording of a machine: what it is called, its file's name, where it comes from, how it is read.
 
-    options : as of ``harness diagnose``. others : what other fits said.
+    options : as of ``harness diagnose``. others : what other fits said. machine : which it is, where several files are
+    of one. condition : how far the one cause is turned in which its files differ. moves : the number, or the law, that
+    grows with it.
     """
 
     name: str
@@ -39,6 +41,9 @@ class Listed:
     source: str
     options: Mapping[str, Any] = field(default_factory=dict)
     others: str = ""
+    machine: str = ""
+    condition: float | None = None
+    moves: str = ""
 
     def asked(self, where: str) -> DiagnoseOptions:
         """Its options, without engines: what is compared is the physics. Raises InputError for one that is none."""
@@ -64,6 +69,20 @@ def listed(folder: Path) -> list[tuple[Listed, DiagnoseOptions]]:
     return found
 
 
+def at_hand(folder: Path, every: Sequence[tuple[Listed, DiagnoseOptions]]) -> dict[str, Path]:
+    """The listed files that lie anywhere in a folder, by name. Raises InputError where none does."""
+    if not folder.is_dir():
+        raise InputError(f"--from {folder}", "no such folder", "one with recordings of machines")
+    names = {one.file for one, _ in every}
+    there: dict[str, Path] = {}
+    for path in sorted(folder.rglob("*")):
+        if path.name in names:
+            there.setdefault(path.name, path)
+    if not there:
+        raise InputError(f"--from {folder}", "none of the listed recordings", f"any of {', '.join(sorted(names))}")
+    return there
+
+
 def _parsed(where: str, text: str) -> list[tuple[Listed, DiagnoseOptions]]:
     try:
         entries = tomllib.loads(text).get("machine", [])
@@ -74,6 +93,10 @@ def _parsed(where: str, text: str) -> list[tuple[Listed, DiagnoseOptions]]:
         known = isinstance(entry, dict) and set(entry) <= set(_WORDS) and {"name", "file"} <= set(entry)
         if not known or not isinstance(entry.get("options", {}), dict):
             raise InputError(f"{where}: machine {i + 1}", "unknown or missing words", f"{', '.join(_WORDS)}")
+        if not isinstance(entry.get("condition", 0.0), int | float):
+            raise InputError(
+                f"{where}: machine {i + 1}", f"condition = {entry['condition']!r}", "a number, such as 1.0"
+            )
         one = Listed(**{"source": "", **entry})
         found.append((one, one.asked(where)))
     return found
@@ -90,16 +113,9 @@ def dataset_machines(
 
     Raises InputError when there is no such folder, none of the listed files is in it, or its list is bad; StoreError.
     """
-    if not folder.is_dir():
-        raise InputError(f"--from {folder}", "no such folder", "one with recordings of machines")
-    there: dict[str, Path] = {}
-    for path in sorted(folder.rglob("*")):
-        there.setdefault(path.name, path)
     every = listed(folder)
+    there = at_hand(folder, every)
     kept = [(one, options) for one, options in every if one.file in there]
-    if not kept:
-        names = ", ".join(one.file for one, _ in every)
-        raise InputError(f"--from {folder}", "none of the listed recordings", f"any of {names}")
     home = growing_folder("dataset-machines", out)
     works = [Work(there[one.file], one.file, home / Path(one.file).stem, options, command) for one, options in kept]
     answers: dict[str, Answer] = dict(computed(works, jobs, progress))

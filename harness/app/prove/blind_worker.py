@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from harness.app.diagnose.change import change
 from harness.app.diagnose.many import diagnose, diagnose_together
 from harness.app.diagnose.one import answer
 from harness.app.diagnose.options import DiagnoseOptions, RobotOptions, ServoOptions
@@ -35,8 +36,8 @@ EVIDENCE = 5
 def diagnosed(recording: bytes, arguments: Sequence[str]) -> dict[str, Any]:
     """The verdict of ``harness diagnose - ARGUMENTS`` on a recording, without what no score needs.
 
-    Files that are packed in one are diagnosed as they lie, several together; those that an argument names are what it
-    says (a robot's model). No engine is asked then.
+    Files that are packed in one are diagnosed as they lie, several together, or held against one another ("--before",
+    "--after"); those that an argument names are what it says (a robot's model). No engine is asked then.
 
     arguments : as ("--restoring", "none", ...), how the machine is held.
     """
@@ -50,7 +51,16 @@ def diagnosed(recording: bytes, arguments: Sequence[str]) -> dict[str, Any]:
     else:
         for name, text in files.items():
             Path(name).write_text(text, encoding="utf-8")
+        sides = [
+            [(Path(name), name) for name in named.pop(side, "").split(",") if name] for side in ("before", "after")
+        ]
         options, out = _options({"engines": ()} | named), Path("answer")
+        if all(sides):
+            changed = change(sides[0], sides[1], options, out).model_dump(mode="json", by_alias=True)
+            return {
+                name: changed[name]
+                for name in ("statement", "changed", "chance", "left", "numbers", "laws", "warnings")
+            }
         recordings = [(Path(name), name) for name in files if name not in named.values()]
         if len(recordings) > 1:
             result = diagnose_together(recordings, options, out)
@@ -76,11 +86,14 @@ def diagnosed(recording: bytes, arguments: Sequence[str]) -> dict[str, Any]:
 def _options(named: Mapping[str, Any]) -> DiagnoseOptions:
     """Options by their names, as the command line has them."""
     files: dict[str, Any] = {name: Path(named[name]) for name in ("robot", "sim", "model") if name in named}
+    if "covariate" in named:
+        named = {**named, "covariates": named["covariate"].split(",")}
+    named = {name: float(said) if name in ("mass", "horizon") else said for name, said in named.items()}
     robot = RobotOptions.chosen(files.pop("robot", None), joint=named.get("joint"))
     if "model" in files:
         # an engine's own file has an engine to be asked
         named = {**named, "engines": ("mujoco",)}
-    rest = {name: said for name, said in named.items() if name not in ("robot", "joint", "servo", *files)}
+    rest = {name: said for name, said in named.items() if name not in ("robot", "joint", "servo", "covariate", *files)}
     servo = ServoOptions.chosen(named.get("servo"))
     return DiagnoseOptions.chosen(ReadOptions(), robot=robot, servo=servo, **files, **rest)
 

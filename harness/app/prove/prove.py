@@ -13,6 +13,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from harness.app.prove.at_hand import check_sealed, measured_in
 from harness.app.prove.keeper import keeping
 from harness.app.prove.store import Store, finish
 from harness.app.prove.worker import (
@@ -32,7 +33,18 @@ from harness.core.errors import HarnessError, InputError
 from harness.io.store import held
 from harness.proof.beside import BASELINES
 from harness.proof.drawing import probes_of, sealed_answers
-from harness.proof.plan import FULL, MACHINES, SHORT, SHORT_MACHINES, SHORT_PATHS, Sizes, on_ways, plan
+from harness.proof.plan import (
+    FULL,
+    MACHINES,
+    REAL,
+    SHORT,
+    SHORT_MACHINES,
+    SHORT_PATHS,
+    SHORT_REAL,
+    Sizes,
+    on_ways,
+    plan,
+)
 from harness.proof.seal import (
     LEDGER,
     PUBLISHED,
@@ -46,6 +58,7 @@ from harness.proof.seal import (
     seal_verdicts,
 )
 from harness.proof.tally import OURS
+from harness.proof.verify import sealed_rigs
 from harness.results.prove import ProofResult
 
 CODE = Path(__file__).resolve().parents[2]
@@ -57,7 +70,7 @@ class ProveOptions:
 
     sizes : how many recordings. jobs : local processes, None for one a core. cluster : address of a dask scheduler,
     None for the local pool. resume : go on with what the folder holds. baselines : who answers besides us.
-    blind : what runs in the sealed processes.
+    blind : what runs in the sealed processes. folder : of recordings of real machines.
     """
 
     sizes: Sizes = field(default_factory=Sizes)
@@ -66,13 +79,22 @@ class ProveOptions:
     resume: bool = False
     baselines: tuple[str, ...] = BASELINES
     blind: tuple[str, ...] = COMMAND
+    folder: Path | None = None
 
     @classmethod
     def chosen(
-        cls, given: Mapping[str, int], short: bool = False, machines: bool = False, paths: int = 0, **rest: Any
+        cls,
+        given: Mapping[str, int],
+        short: bool = False,
+        machines: bool = False,
+        paths: int = 0,
+        real: int = 0,
+        **rest: Any,
     ) -> "ProveOptions":
         """As somebody chose: sizes by name, else the full ones, or the short ones; of machines, or of ``paths``
-        recordings on all ways, without baselines."""
+        recordings on all ways, or ``real`` effects on the recordings of a folder, without baselines."""
+        if real:
+            return cls(Sizes(0, 0, 0, 0, real=SHORT_REAL if short else real), baselines=(), **rest)
         if paths:
             return cls(SHORT_PATHS if short else on_ways(paths), baselines=(), **rest)
         if machines:
@@ -134,8 +156,13 @@ class _Proof:
             raise InputError("--resume", f"{self._folder.name} was begun by another version of the program", accepted)
 
     def _begin(self) -> None:
+        folder, real = self._options.folder, {}
+        if folder is not None:
+            at_hand, absent = measured_in(folder)
+            real = {"rigs": [asdict(rig) for rig in at_hand.rigs.values()], "absent": list(absent)}
         about = {
             "at": now(),
+            **real,
             "sizes": asdict(self._sizes),
             "beside": list(self._beside),
             "code": code_digest(),
@@ -150,8 +177,12 @@ class _Proof:
         secret = self._secret()
         seed = int(secret["seed"]["value"])
         have = self._store.drawn()
-        jobs = plan(self._sizes, seed)
-        tasks = [DrawTask(seed, job) for job in jobs if job.index not in have]
+        jobs = plan(self._sizes, seed, sealed_rigs(self._ledger))
+        tasks = [DrawTask(seed, job, self._options.folder) for job in jobs if job.index not in have]
+        if any(task.job.source == REAL for task in tasks):
+            if self._options.folder is None:
+                raise InputError("--resume", "given without --from", "--from DIR, the folder of the recordings")
+            check_sealed(self._options.folder, sealed_rigs(self._ledger))
         with self._worked("recordings drawn", tasks, draw_one, draw_failed, count=(len(have), len(jobs))) as rows:
             for one in rows:
                 self._store.keep_drawn(one)

@@ -167,6 +167,7 @@ def finish(store: Store, ledger: Ledger, command: str = "", progress: Progress =
         evidence=sizes.is_evidence,
         sizes=ledger.content(STEPS[0])["sizes"],
         given_up=opened.get("given_up", []),
+        absent=ledger.content(STEPS[0]).get("absent", []),
         seed=f"{seed:032x}",
         **tally(answers, verdicts, seed),
         diagnosis_s=seconds,

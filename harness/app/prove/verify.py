@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from harness.app.prove.at_hand import check_sealed
 from harness.app.prove.store import PAGE, RESULT, all_verdicts
 from harness.app.prove.worker import DrawTask, draw_failed, draw_one
 from harness.app.shared.machine import this_machine
@@ -14,7 +15,7 @@ from harness.core.bounded import MOST_DOCUMENT_BYTES, read_bytes
 from harness.core.errors import InputError, visible
 from harness.io.recording import sha256
 from harness.proof.drawing import Drawn
-from harness.proof.plan import SHORT, Job, Sizes
+from harness.proof.plan import REAL, SHORT, Job, Sizes
 from harness.proof.seal import PUBLISHED, STEPS, Ledger, digest, file_of
 from harness.proof.tally import OURS, tally
 from harness.proof.verify import (
@@ -26,6 +27,7 @@ from harness.proof.verify import (
     check_verdicts,
     is_unfinished,
     planned_jobs,
+    sealed_rigs,
     too_many_elsewhere,
 )
 from harness.results.prove import ProofCheck, ProofResult
@@ -35,11 +37,18 @@ SAMPLE = SHORT.total
 """Recordings that are drawn again by a short verification."""
 
 
-def verify_proof(folder: Path, short: bool = False, jobs: int | None = None, progress: Progress = SILENT) -> ProofCheck:
+def verify_proof(
+    folder: Path,
+    short: bool = False,
+    jobs: int | None = None,
+    progress: Progress = SILENT,
+    source: Path | None = None,
+) -> ProofCheck:
     """Recompute a proof from its folder: chain, commitments, verdicts, scores, files, recordings.
 
-    short : draw a random sample of the recordings again and not all of them. Raises InputError when there is no
-    transcript or the proof was not finished.
+    short : draw a random sample of the recordings again and not all of them. source : folder of recordings of real
+    machines, without which what was made from them is not drawn again. Raises InputError when there is no transcript or
+    the proof was not finished.
     """
     ledger = Ledger.load(folder)
     if is_unfinished(ledger):
@@ -51,16 +60,22 @@ def verify_proof(folder: Path, short: bool = False, jobs: int | None = None, pro
     if wrong:
         return _said(folder, ledger, wrong)
     wrong = _scores(folder, ledger)
-    chosen = planned_jobs(ledger)
+    chosen = [job for job in planned_jobs(ledger) if source is not None or job.source != REAL]
     if short:
         chosen = random.SystemRandom().sample(chosen, min(SAMPLE, len(chosen)))
-    found = [check_recording(ledger, *one) for one in _drawn(ledger, chosen, jobs, progress)]
+    if source is not None:
+        check_sealed(source, sealed_rigs(ledger))
+    left = sum(job.source == REAL for job in planned_jobs(ledger)) if source is None else 0
+    found = [check_recording(ledger, *one) for one in _drawn(ledger, chosen, jobs, progress, source)]
     wrong += [one.wrong for one in found if one.wrong] + too_many_elsewhere(found)
-    return _said(folder, ledger, sorted(wrong), found)
+    return _said(folder, ledger, sorted(wrong), found, left)
 
 
-def _said(folder: Path, ledger: Ledger, wrong: list[str], found: Sequence[Redrawn] = ()) -> ProofCheck:
+def _said(folder: Path, ledger: Ledger, wrong: list[str], found: Sequence[Redrawn] = (), left: int = 0) -> ProofCheck:
     notes = []
+    if left:
+        line = f"try: harness prove --verify {folder} --from DIR"
+        notes.append(f"{left} recordings of real machines were not made again; {line}")
     again, identical = len(found), sum(one.identical for one in found)
     if identical < again:
         made: dict[str, str] = dict(ledger.content(STEPS[0])["versions"])
@@ -139,11 +154,13 @@ def _scores(folder: Path, ledger: Ledger) -> list[str]:
     return wrong
 
 
-def _drawn(ledger: Ledger, chosen: list[Job], jobs: int | None, progress: Progress) -> list[tuple[Drawn, Job]]:
+def _drawn(
+    ledger: Ledger, chosen: list[Job], jobs: int | None, progress: Progress, source: Path | None
+) -> list[tuple[Drawn, Job]]:
     """Recordings drawn again from the revealed seed, with their jobs; those that were given up are left out."""
     seed = int(ledger.content(STEPS[3])["seed"]["value"])
     of = {job.index: job for job in chosen}
-    tasks = [DrawTask(seed, job) for job in chosen]
+    tasks = [DrawTask(seed, job, source) for job in chosen]
     count = 0, len(tasks)
     with worked("recordings drawn again", tasks, draw_one, draw_failed, progress, count, jobs=jobs) as rows:
         drawn = [one for one in rows if one["error"] is None]

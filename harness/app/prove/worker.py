@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from harness.app.prove.at_hand import measured_in
 from harness.core.errors import SimulationError
 from harness.core.kernel_cache import cache_folder
 from harness.proof.blind import BlindProcess
@@ -22,10 +23,11 @@ COMMAND = (sys.executable, "-m", "harness.app.prove.blind_worker")
 
 @dataclass(frozen=True, slots=True)
 class DrawTask:
-    """A job to be drawn with the seed of the proof."""
+    """A job to be drawn with the seed of the proof. folder : of recordings of real machines, None without."""
 
     seed: int
     job: Job
+    folder: Path | None = None
 
     @property
     def key(self) -> str:
@@ -52,7 +54,8 @@ class BlindTask:
 def draw_one(task: DrawTask) -> dict[str, Any]:
     """The recording and its answer as plain data, or why there is none."""
     try:
-        case = drawn(task.seed, task.job)
+        at_hand = None if task.folder is None else measured_in(task.folder)[0]
+        case = drawn(task.seed, task.job, at_hand=at_hand)
     except SimulationError as error:
         return draw_failed(task, str(error))
     said = {"name": case.name, "recording": case.recording.decode(), "answer": dict(case.answer), "error": None}

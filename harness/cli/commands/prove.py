@@ -27,6 +27,15 @@ if TYPE_CHECKING:
     metavar="[N]",
     help="Instead N recordings on every way that gives a verdict, as users run them.  [7200]",
 )
+@click.option(
+    "--real",
+    type=click.IntRange(min=1),
+    is_flag=False,
+    flag_value=200,
+    metavar="[N]",
+    help="Instead N exact effects on recordings of real machines, and causes that were switched.  [200]",
+)
+@click.option("--from", "folder", type=PATH, metavar="DIR", help="Folder of these recordings; with --real, --verify.")
 @click.option("--short", is_flag=True, help="24 recordings in all: no evidence. With --verify: draw 24 again.")
 @click.option("--verify", type=PATH, metavar="DIR", help="Recompute a proof; run nothing.")
 @click.option("--resume", is_flag=True, help="Go on with the proof that --out holds.")
@@ -36,6 +45,8 @@ if TYPE_CHECKING:
 def command(
     machines: bool,
     paths: int | None,
+    real: int | None,
+    folder: Path | None,
     short: bool,
     verify: Path | None,
     resume: bool,
@@ -57,11 +68,16 @@ def command(
     --paths asks every way that gives a verdict: effects in published forms that are not the catalogue's, unknown ones,
     and as many controls, in files as loggers write them, half of them without any option.
 
+    --real asks recordings of real machines in --from DIR, as its machines.toml lists them: each as it was measured,
+    then with an effect that is exact whatever the machine does besides (of sensor and clock, or a known force beside
+    the measured one), and two conditions of a machine of which one cause was switched.
+
     --verify recomputes hashes, commitments, scores and recordings of a published proof. Exit 1 when it was changed.
 
     \b
     Example: harness prove --short
              harness prove --out reports/mine --jobs 8
+             harness prove --real --from recordings
              harness prove --verify reports/proof
     """
     given = {name: value for name, value in sizes.items() if value is not None}
@@ -73,6 +89,7 @@ def command(
             **given,
             machines=machines,
             paths=paths,
+            real=real,
             resume=resume,
             out=to.out,
             cluster=cluster,
@@ -80,24 +97,38 @@ def command(
         from harness.app.prove.verify import verify_proof
 
         with to.told() as progress:
-            check = verify_proof(verify, short, jobs, progress)
+            check = verify_proof(verify, short, jobs, progress, folder)
         to.give(check, _print_check)
         return 0 if check.accepted else 1
     plans = [
         name
-        for name, chosen in (("short", short), ("machines", machines), ("paths", paths), ("resume", resume))
+        for name, chosen in (
+            ("short", short),
+            ("machines", machines),
+            ("paths", paths),
+            ("real", real),
+            ("resume", resume),
+        )
         if chosen
     ]
     if given and plans:
         raise InputError(f"--{next(iter(given))}", f"given with --{plans[0]}", one)
     if resume:
         accepted = "--resume alone, which goes on with what was begun"
-        refuse("given with --resume", accepted, machines=machines, paths=paths, short=short)
+        refuse("given with --resume", accepted, machines=machines, paths=paths, real=real, short=short)
     if machines:
-        refuse("given with --machines", one, paths=paths)
+        refuse("given with --machines", one, paths=paths, real=real)
+    if paths:
+        refuse("given with --paths", one, real=real)
+    if real is not None and folder is None:
+        raise InputError("--real", "given without --from", "try: harness prove --real --from DIR")
+    if folder is not None and not (real or resume):
+        raise InputError("--from", "given without --real", f"try: harness prove --real --from {folder}")
     from harness.app.prove.prove import ProveOptions, prove
 
-    options = ProveOptions.chosen(given, short, machines, paths or 0, jobs=jobs, cluster=cluster, resume=resume)
+    options = ProveOptions.chosen(
+        given, short, machines, paths or 0, real or 0, jobs=jobs, cluster=cluster, resume=resume, folder=folder
+    )
     with to.told() as progress:
         result = prove(options, to.out, progress, this_line())
     to.give(result, _print)
@@ -130,7 +161,9 @@ def _print(result: "ProofResult") -> None:
     )
     if result.not_tested:
         say(f"- not tested: {', '.join(result.not_tested)}")
-    say_all([*result.shortfalls, *result.given_up])
+    say_all([*result.shortfalls, *result.given_up, *(result.real.not_run if result.real else [])])
+    if result.absent:
+        say(f"- not at hand, not run: {', '.join(result.absent)}")
     right = sum(case.right for case in result.cases)
     say(f"{len(result.cases)} recordings, {right} answered right, seed {result.seed}")
 

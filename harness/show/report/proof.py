@@ -16,7 +16,7 @@ from harness.results.prove import (
 )
 from harness.show import blocks as b
 from harness.show.numbers import number
-from harness.show.report import proof_paths
+from harness.show.report import proof_paths, proof_real
 from harness.show.report.page import made_with
 from harness.show.report.proof_figures import BAD, GOOD, confusion, detection, intervals
 
@@ -33,6 +33,9 @@ GROUPS = {
     "path": "An effect in another form",
     "path-control": "Nothing hidden, on any way",
     "path-unknown": "An effect of a random family",
+    "real-constructed": "A real machine with a constructed effect",
+    "real-switched": "A real machine of which one cause was switched",
+    "real-repeated": "A real machine twice in one condition",
 }
 TOLD = (
     "A seed was taken from the operating system, and its salted hash written down, before anything else.",
@@ -43,6 +46,10 @@ TOLD = (
     "arguments or environment that tell; seed and answers were in no file meanwhile.",
     "The hash of every verdict was written down.",
     "Seed and answers were opened, and everything was scored.",
+)
+FROM_FILES = (
+    "Every recording was made from files of real machines, of which the hashes were written down with the seed. Names, "
+    "effects, and which condition comes first follow from the seed alone."
 )
 LIMITS = (
     "What this cannot show: that nobody ran many proofs and published the best, and that the machine itself was "
@@ -60,6 +67,13 @@ def proof_page(result: ProofResult, order: Sequence[str], transcript: Sequence[M
             f"{sizes.paths} recordings are of {len(result.paths.ways) if result.paths else 0} ways that give a "
             "verdict, half of them with nothing hidden, half without any option."
         )
+    elif sizes.real:
+        files = sum(one.files for one in result.real.machines) if result.real else 0
+        sentences.append(
+            f"{sizes.real} effects were constructed on {files} recordings of real machines, each diagnosed as it was "
+            "measured as well: what is scored is the difference."
+        )
+        sentences += [f"Not at hand, not run: {', '.join(result.absent)}."] if result.absent else []
     elif sizes.machines:
         sentences.append(f"{sizes.machines} recordings are of machines, half of them with small omissions alone.")
     else:
@@ -74,6 +88,7 @@ def proof_page(result: ProofResult, order: Sequence[str], transcript: Sequence[M
         *first,
         _figures(result.figures, result.forced, result.by_source),
         *([] if result.paths is None else [proof_paths.ways(result.paths)]),
+        *([] if result.real is None else [proof_real.machines(result.real)]),
     ]
     if result.confusion:
         sections.append(confusion(result.confusion, order))
@@ -93,7 +108,11 @@ def proof_page(result: ProofResult, order: Sequence[str], transcript: Sequence[M
         transcript,
         lambda entry: entry["step"],
     )
-    sealed: list[b.Block] = [b.Items(TOLD, ordered=True), b.Code("harness prove --verify DIR", intro=_AGAIN), entries]
+    sealed: list[b.Block] = [
+        b.Items(TOLD if result.real is None else (TOLD[0], FROM_FILES, *TOLD[2:]), ordered=True),
+        b.Code("harness prove --verify DIR", intro=_AGAIN),
+        entries,
+    ]
     sections += [
         *([] if first else [_missed(result.cases)]),
         b.Section("How it was sealed", [*sealed, b.Text(LIMITS)]),
@@ -114,6 +133,9 @@ def _headline(result: ProofResult) -> str:
     for key, what in (("told", "effects worth above 20 were named or listed"), ("alarms", "controls were claimed")):
         if one := figures.get(f"paths_{key}"):
             parts.append(f"{one.hits} of {one.cases} {what}")
+    for key, what in (("switched", "switched causes were told"), ("told", "constructed laws were named or listed")):
+        if one := figures.get(f"real_{key}"):
+            parts.append(f"{one.hits} of {one.cases} {what}")
     if named := figures.get("named"):
         low = 100.0 * (named.low or 0.0)
         parts.append(f"{named.hits} of {named.cases} hidden effects were named (at least {low:.1f} % of such)")
@@ -132,7 +154,12 @@ def _figures(
     """forced : controls with a term forced in."""
     columns = [
         b.Column("found", lambda one: b.Cell(_amount(one.value, one.share), grade=_grade(one.met))),
-        b.Column("95 % interval", _interval, "", "exact (Clopper-Pearson) for a share, resampled for a median"),
+        b.Column(
+            "95 % interval",
+            _interval,
+            "",
+            "exact (Clopper-Pearson) for a share, resampled for a median and over real machines",
+        ),
         b.Column("cases", lambda one: str(one.cases)),
         b.Column("asked", lambda one: one.asked),
     ]
@@ -200,7 +227,7 @@ def _missed(cases: Sequence[ProofCase]) -> b.Section:
             "",
             "chi-square that viscous and Coulomb friction lose to the truth",
         ),
-        b.Column("R² of it", lambda case: f"{case.r2:.4f}"),
+        b.Column("R² of it", lambda case: number(None) if case.r2 is None else f"{case.r2:.4f}"),
     ]
     tables = []
     for group, title in GROUPS.items():

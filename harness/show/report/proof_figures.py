@@ -5,7 +5,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from harness.results.prove import Detection, ProofFigure, RateResult
-from harness.show.blocks import Figure, Section
+from harness.show.blocks import Cell, Figure, Section
+from harness.show.numbers import number
 from harness.show.plots import Trace, axes, dots, plain
 
 GOOD, BAD = "#1f9e77", "#d1495b"
@@ -140,3 +141,10 @@ def detection(curve: Detection) -> Section:
         f"than that, and nobody who goes by BIC can name it. {said}"
     )
     return Section("Where naming stops", [Figure("detection", traces, layout, caption, height=380)])
+
+
+def rated(rate: RateResult) -> Cell:
+    """Hits of cases, with the interval."""
+    if rate.value is None or rate.low is None or rate.high is None:
+        return Cell(number(None))
+    return Cell(f"{rate.hits} of {rate.cases}", (f"{100.0 * rate.low:.1f} to {100.0 * rate.high:.1f} %",))

@@ -4,19 +4,12 @@ import math
 
 import numpy as np
 
-from harness.results.prove import PathLevel, PathResult, PathsResult, RateResult
+from harness.results.prove import PathLevel, PathResult, PathsResult
 from harness.show import blocks as b
-from harness.show.numbers import number
 from harness.show.plots import axes, plain
-from harness.show.report.proof_figures import BAD, GOOD
+from harness.show.report.proof_figures import BAD, GOOD, rated
 
 _SAID = {"named": GOOD, "listed": "#8ac6b0", "silent": "#7a8594", "wrong": BAD}
-
-
-def _rate(rate: RateResult) -> b.Cell:
-    if rate.value is None or rate.low is None or rate.high is None:
-        return b.Cell(number(None))
-    return b.Cell(f"{rate.hits} of {rate.cases}", (f"{100.0 * rate.low:.1f} to {100.0 * rate.high:.1f} %",))
 
 
 def curve(found: PathsResult) -> b.Section:
@@ -40,7 +33,7 @@ def curve(found: PathsResult) -> b.Section:
     )
     columns = [
         b.Column("effects", lambda one: str(one.cases)),
-        *(b.Column(name, b.by(name, lambda one, key: _rate(getattr(one, key)))) for name in _SAID),
+        *(b.Column(name, b.by(name, lambda one, key: rated(getattr(one, key)))) for name in _SAID),
     ]
     table = b.tabulated("worth", columns, found.levels, _between, caption="With exact 95 % intervals.")
     return b.Section("What is told of an effect", [b.Figure("paths", traces, layout, caption, height=380), table])
@@ -63,12 +56,12 @@ _WAYS = {
 
 def ways(found: PathsResult) -> b.Section:
     """Way by way, then the probabilities."""
-    columns = [b.Column(head, b.by(key, lambda one, name: _rate(getattr(one, name)))) for key, head in _WAYS.items()]
+    columns = [b.Column(head, b.by(key, lambda one, name: rated(getattr(one, name)))) for key, head in _WAYS.items()]
     said = b.tabulated("way", columns, found.ways, _name, caption="With exact 95 % intervals.")
     bins = [
         b.Column("verdicts", lambda one: str(one.held.cases)),
         b.Column("mean probability", lambda one: f"{one.said:.2f}"),
-        b.Column("held", lambda one: _rate(one.held)),
+        b.Column("held", lambda one: rated(one.held)),
     ]
     caption = "The likeliest explanation of each verdict that gives one, by its probability."
     sure = b.tabulated(
