@@ -12,6 +12,7 @@ from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.shared.deliver import to_json
 from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import SILENT, Progress
+from harness.core.checks import finite
 from harness.core.errors import InputError
 from harness.io.options import ReadOptions
 from harness.io.store import growing_folder, write_text
@@ -93,10 +94,8 @@ def _parsed(where: str, text: str) -> list[tuple[Listed, DiagnoseOptions]]:
         known = isinstance(entry, dict) and set(entry) <= set(_WORDS) and {"name", "file"} <= set(entry)
         if not known or not isinstance(entry.get("options", {}), dict):
             raise InputError(f"{where}: machine {i + 1}", "unknown or missing words", f"{', '.join(_WORDS)}")
-        if not isinstance(entry.get("condition", 0.0), int | float):
-            raise InputError(
-                f"{where}: machine {i + 1}", f"condition = {entry['condition']!r}", "a number, such as 1.0"
-            )
+        if "condition" in entry:
+            finite(f"{where}: machine {i + 1}: condition", entry["condition"])
         one = Listed(**{"source": "", **entry})
         found.append((one, one.asked(where)))
     return found

@@ -110,6 +110,9 @@ def prove(
     out : folder, None for reports/proof-TIME here. Raises InputError for what cannot be resumed, StoreError for a
     folder that cannot be written, is taken or in use, InterruptionError after an interruption; what was done is kept.
     """
+    if options.folder is not None:
+        # before a folder is made for nothing
+        measured_in(options.folder)
     folder = folder_of("proof", out, options.resume, "proof", LEDGER)
     with held(folder) as mark, journal(folder / LOG):
         return _Proof(options, folder, progress, command, mark).run()

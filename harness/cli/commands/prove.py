@@ -118,8 +118,8 @@ def command(
         refuse("given with --resume", accepted, machines=machines, paths=paths, real=real, short=short)
     if machines:
         refuse("given with --machines", one, paths=paths, real=real)
-    if paths:
-        refuse("given with --paths", one, real=real)
+    if real:
+        refuse("given with --real", one, paths=paths)
     if real is not None and folder is None:
         raise InputError("--real", "given without --from", "try: harness prove --real --from DIR")
     if folder is not None and not (real or resume):
