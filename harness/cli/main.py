@@ -2,7 +2,6 @@
 
 import io
 import logging
-import multiprocessing
 import os
 import pkgutil
 import signal
@@ -58,7 +57,9 @@ def _wait(pipe: int) -> None:
     while not _SIGNALS.intersection(os.read(pipe, 64)):
         pass
     time.sleep(_GRACE)
-    for child in multiprocessing.active_children():
+    from multiprocessing import active_children
+
+    for child in active_children():
         child.kill()
     if not told.is_set():
         with suppress(OSError):

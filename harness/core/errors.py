@@ -2,7 +2,6 @@
 
 import unicodedata
 from collections.abc import Iterable
-from difflib import get_close_matches
 
 TRY = "try: "
 """Begins what is to be pasted: a command, or options of the one that was given."""
@@ -64,6 +63,8 @@ class StoreError(HarnessError):
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """The end of a message, "; did you mean NAME?", with the known name nearest to ``name``; "" where none is near."""
+    from difflib import get_close_matches
+
     near = get_close_matches(name.lower(), list(known), n=1)
     return f"; did you mean {near[0]}?" if near else ""
 

@@ -8,15 +8,14 @@ import atexit
 import os
 import shutil
 import stat
-import tempfile
 from contextlib import suppress
 from pathlib import Path
-
-from platformdirs import user_cache_path
 
 
 def _private(folder: Path) -> bool:
     """Whether a folder, made if need be, is the user's own, closed to the writing of others, and can be written."""
+    import tempfile
+
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         about = folder.lstat()
@@ -34,6 +33,10 @@ def cache_folder() -> Path:
     NUMBA_CACHE_DIR, else one in the user's cache, else one in the temporary folder; the first that is private. Where
     none is, one of this process alone, removed at its end.
     """
+    import tempfile
+
+    from platformdirs import user_cache_path
+
     named = os.environ.get("NUMBA_CACHE_DIR")
     own = Path(tempfile.gettempdir()) / f"friction-harness-{os.geteuid()}"
     for folder in (*([Path(named)] if named else []), user_cache_path("friction-harness") / "kernels", own):

@@ -1,10 +1,8 @@
 """Catch what C libraries print: both streams, at the level of file descriptors, into the log."""
 
-import ctypes
 import logging
 import os
 import sys
-import tempfile
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -34,6 +32,8 @@ def diverted(target: int) -> Iterator[None]:
 
 
 def _flush() -> None:
+    import ctypes
+
     ctypes.CDLL(None).fflush(None)  # the C library keeps its own buffer when the stream is no terminal
     for stream in (sys.stdout, sys.stderr):
         with suppress(OSError, ValueError, AttributeError):
@@ -49,6 +49,8 @@ def quiet(log: logging.Logger) -> Iterator[None]:
 
     A second thread waits for the first, and what other threads print meanwhile is caught too.
     """
+    import tempfile
+
     with _lock, tempfile.TemporaryFile() as caught:
         try:
             with diverted(caught.fileno()):

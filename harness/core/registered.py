@@ -1,9 +1,10 @@
-"""What other installed packages add: the objects that their entry points name."""
+"""What other installed packages add: the objects that their entry points name.
+
+importlib.metadata is imported where it is used: it takes longer than all else that `harness --version` loads.
+"""
 
 from collections.abc import Iterator
 from functools import cache
-from importlib import metadata
-from importlib.metadata import entry_points
 from typing import TypeVar
 
 from harness.core.errors import InputError
@@ -13,6 +14,8 @@ T = TypeVar("T")
 
 def names(group: str) -> set[str]:
     """Names of the entry points of a group, whether they load or not."""
+    from importlib.metadata import entry_points
+
     return entry_points(group=group).names
 
 
@@ -21,6 +24,8 @@ def registered(group: str, kind: type[T], what: str, name: str | None = None) ->
 
     Raises InputError for a package that does not load, and for an object that is no ``kind``.
     """
+    from importlib.metadata import entry_points
+
     for point in sorted(entry_points(group=group), key=lambda p: p.name):
         if name not in (None, point.name):
             continue
@@ -37,4 +42,6 @@ def registered(group: str, kind: type[T], what: str, name: str | None = None) ->
 @cache
 def version(package: str) -> str:
     """Version of an installed package; raises importlib.metadata.PackageNotFoundError for one that is not."""
+    from importlib import metadata
+
     return metadata.version(package)

@@ -17,7 +17,7 @@ def homes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A cache of the user's that cannot be made, and a temporary folder of its own."""
     (tmp_path / "file").touch()
     monkeypatch.delenv("NUMBA_CACHE_DIR")
-    monkeypatch.setattr(kernel_cache, "user_cache_path", lambda name: tmp_path / "file" / name)
+    monkeypatch.setattr("platformdirs.user_cache_path", lambda name: tmp_path / "file" / name)
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     return tmp_path
 
