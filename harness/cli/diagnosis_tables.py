@@ -260,16 +260,13 @@ def say_change(result: "ChangeResult") -> None:
     say(result.statement)
     rows = [
         (
-            one.said,
-            with_error(one.before, one.before.unit) if one.before else "-",
-            with_error(one.after, one.after.unit) if one.after else "-",
-            one.before.unit if one.before else "",
-            with_error(one.ratio),
-            "yes" if one.changed else "no",
+            "\n".join((one.said, *([one.before.unit] if one.before else []))),
+            *(with_error(side, side.unit) if side else "-" for side in (one.before, one.after)),
+            "\n".join((with_error(one.ratio), *(["changed"] if one.changed else []))),
         )
         for one in result.numbers
     ]
-    show_rows(("", "before", "after", "unit", "after / before", "changed"), rows)
+    show_rows(("", "before", "after", "after / before"), rows)
     say_all(result.warnings)
     say_as_it_is(f"report: {result.files['report']}")
 

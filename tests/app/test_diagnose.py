@@ -1,6 +1,7 @@
 """A diagnosis from end to end, and several in one call: what is found, said and left; order, failures, resumption."""
 
 import json
+import math
 import os
 import time
 from dataclasses import replace
@@ -24,7 +25,7 @@ from harness.core.recording import Recording
 from harness.io.recording import sha256
 from harness.kernels.solve import solve
 from harness.model.document import load
-from harness.model.model import Model
+from harness.model.model import Model, Restoring
 from harness.results import generate
 from harness.results.diagnosis import DiagnosisDocument, DiagnosisResult, FailedDiagnosis
 
@@ -182,6 +183,26 @@ def test_a_unit_off_by_a_thousand_is_a_warning() -> None:
     assert asked({"x": X, "a": A}) == ()
     (said,) = asked({"x": 1e3 * X, "a": A})
     assert said.startswith("acceleration does not match displacement by a factor of about 1/1000")
+
+
+@pytest.mark.parametrize(
+    ("far", "slow", "angular", "question"),
+    [
+        (1.0, 1.0, False, ""),
+        (1.0, 1.0, True, ""),
+        (1e3, 1.0, False, "is x in mm?"),
+        (1.0, 1e3, False, "is t in ms?"),
+        (math.degrees(1.0), 1.0, True, "is it in deg?"),
+    ],
+)
+def test_a_swing_of_another_unit_is_asked_about(far: float, slow: float, angular: bool, question: str) -> None:
+    """A slider from 1 m or rad at 10 rad/s, its numbers those of another unit than the one that is said."""
+    recording = Recording(slow * T, {"x": far * X}, "bench.csv", angular=angular, columns={"t": "t[s]", "x": "x[m]"})
+    said = prepared(recording, DiagnoseOptions(restoring=Restoring.SPRING)).warnings
+    assert [question in line for line in said] == ([True] if question else [])
+    for line in said:
+        unit = question.removesuffix("?").split()[-1]
+        assert f"[{unit}]" in line.split("--columns")[1]
 
 
 NAMES = ("a.csv", "b.csv", "bad.csv", "c.csv", "d.csv")

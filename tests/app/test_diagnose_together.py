@@ -77,6 +77,7 @@ def driven(tmp_path_factory: pytest.TempPathFactory) -> Done:
 
 def test_each_decay_has_its_own_and_the_second_is_heavier(released: Done) -> None:
     result, files = released
+    assert "explain these recordings, which differ in inertia, to their noise" in result.statement
     _heavier(result, files, 5.0, errors=4.0, most=0.4)
     for one, x0, zero in zip(result.own, STARTS, ZEROS, strict=True):
         assert one.start["x0"].value == pytest.approx(x0, abs=1e-3)

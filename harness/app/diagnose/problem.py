@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from harness.app.diagnose.implausible import implausible
 from harness.app.diagnose.options import DiagnoseOptions, Zero
 from harness.app.shared.reading import read
 from harness.core.errors import InputError, SimulationError
@@ -72,7 +73,7 @@ def prepared(recording: Recording, options: DiagnoseOptions) -> Prepared:
     recording, chosen = moves.part(recording)
     problem, notes = prepare(recording, asked, moves)
     channels, warnings = _channels(recording, problem)
-    warnings = (*warnings, moves.wanted) if moves.wanted else warnings
+    warnings = (*(warnings or implausible(recording, problem, moves)), *([moves.wanted] if moves.wanted else []))
     return Prepared(problem, (*chosen, *notes), warnings, channels, recording, moves)
 
 

@@ -61,6 +61,7 @@ class Consistency:
     pair : ("x", "a"). gain : of the second over the derivative of the first; lag : s, by which the first is late
     against the second; offset : of the second, its unit. related : whether they move together at all. consistent :
     gain 1, lag 0, offset 0 within three standard errors each. sentence : plainly. mirrored : related but for the sign.
+    other_unit : the gain is that of a unit taken for another.
     """
 
     pair: tuple[str, str]
@@ -71,6 +72,7 @@ class Consistency:
     consistent: bool
     sentence: str
     mirrored: bool = False
+    other_unit: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -263,7 +265,7 @@ def _judged(pair: tuple[str, str], found: tuple[Quantity, Quantity, Quantity], r
     factor = next((text for f, text in _UNITS.items() if abs(math.log(max(value, 1e-300) / f)) < _A_UNIT), None)
     if factor is not None:
         sentence = f"{second} does not match {first} by a factor of about {factor}; are the units right?"
-        return Consistency(pair, gain, lag, offset, True, False, sentence)
+        return Consistency(pair, gain, lag, offset, True, False, sentence, other_unit=True)
     small = f" ({1.0 / value:.4g} times too small)" if value < 1.0 / _FAR else ""
     faults = (
         f"is {value:.4g} times what {first} says{small}",

@@ -26,6 +26,7 @@ from harness.diagnosis.problem import Problem
 from harness.diagnosis.rules import DECISIVE
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search, under
+from harness.fit.autocorrelation import memory
 from harness.model.model import ModelTerm
 from harness.model.registry import not_parted
 
@@ -176,6 +177,8 @@ _SAID = {
 }
 _CLEARLY = 0.25
 """Share from which one quantity is said."""
+_WANDERS = 2.0
+"""Values of a residual that count as one, from which it is seen to wander; noise counts by each."""
 
 
 def remainder(base: Fit, refined: Fit, problem: Problem) -> Remainder:
@@ -184,22 +187,25 @@ def remainder(base: Fit, refined: Fit, problem: Problem) -> Remainder:
     share = min(max((refined.chi2 - floor) / max(base.chi2 - floor, 1e-300), 0.0), 1.0)
     rows = list(problem.by_sample(refined.residual).values())
     depends = shares_of(rows, problem.t, refined.shown.x, refined.shown.v)
-    return Remainder(share, math.sqrt(refined.chi2 / max(refined.points, 1)), _looks_like(depends), depends)
+    return Remainder(share, math.sqrt(refined.chi2 / max(refined.points, 1)), _looks_like(depends, rows), depends)
 
 
 def remainder_of_force(graded: ForceGraded) -> Remainder:
     """What the best model found leaves of the force."""
     measured, left, noise = graded.problem.measured, graded.best, graded.noise
     share = float(np.clip((left.chi2 - noise) / graded.excess, 0.0, 1.0))
-    depends = shares_of([left.residual], *(measured.blocks(y) for y in (measured.t, measured.x, measured.v)))
+    rows = [left.residual]
+    depends = shares_of(rows, *(measured.blocks(y) for y in (measured.t, measured.x, measured.v)))
     over = math.sqrt(left.chi2 / noise) if noise > 0.0 else math.inf
-    return Remainder(share, over, _looks_like(depends), depends)
+    return Remainder(share, over, _looks_like(depends, rows), depends)
 
 
-def _looks_like(depends: Mapping[str, float]) -> str:
+def _looks_like(depends: Mapping[str, float], rows: Sequence[FloatArray]) -> str:
     first = max(depends, key=lambda name: depends[name])
     if depends[first] >= _CLEARLY:
         return f"the residual looks like {_SAID[first]} ({100.0 * depends[first]:.0f} % of it)"
+    if max(memory(row).time for row in rows) >= _WANDERS:
+        return "the residual wanders, as no function of position, speed, time, direction or amplitude alone"
     return "the residual shows no trend"
 
 

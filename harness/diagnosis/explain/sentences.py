@@ -33,19 +33,21 @@ from harness.model.model import Restoring
 from harness.model.registry import TERMS
 from harness.model.term import DRIVEN, LARGER, SLOW
 
-_ONE, _SEVERAL = ("this recording", "its"), ("these recordings", "their")
 _WORTH = 0.01
 """Share of the misfit from which a table is worth a sentence."""
+_HARDLY = 1.1
+"""Of the noise, below which it is no use to say what a residual looks like."""
 _SURE = 0.99
 """Probability that is not told apart from certainty."""
 
 
-def sentence_of(outcome: Outcome, has: Sequence[str] = ()) -> str:
+def sentence_of(outcome: Outcome, has: Sequence[str] = (), units: str = "") -> str:
     """The verdict in two sentences at most, with numbers.
 
-    has : names of the terms that the user's own simulation has, which it then does not lack.
+    has : names of the terms that the user's own simulation has, which it then does not lack. units : what looks wrong
+    with those of the channels, which is then the likelier reason for a misfit that nothing explains.
     """
-    it, its = _SEVERAL if outcome.problem.alone else _ONE
+    it, its = _recorded(outcome)
     mechanisms = outcome.mechanisms
     match outcome.verdict:
         case "adequate":
@@ -63,13 +65,22 @@ def sentence_of(outcome: Outcome, has: Sequence[str] = ()) -> str:
         return f"{likely}: {_numbers(named[0])}.{_residual(outcome)}"
     if outcome.verdict == "one_of":
         return _one_of(outcome, words, share)
-    minor = f" The largest contribution is {words[0]} ({share} of the misfit)." if words else _residual(outcome)
-    return f"Cannot tell what is missing: no term of the catalogue explains most of the misfit.{minor}"
+    more = f" The largest contribution is {words[0]} ({share} of the misfit)." if words else _residual(outcome)
+    more = f" {_capital(units)}" if units else more
+    return f"Cannot tell what is missing: no term of the catalogue explains most of the misfit.{more}"
+
+
+def _recorded(outcome: Outcome) -> tuple[str, str]:
+    """What a verdict is of, and its possessive."""
+    if not outcome.problem.alone:
+        return "this recording", "its"
+    differ = "" if outcome.pooled is None else outcome.pooled.differs_in
+    return f"these recordings{differ and f', which differ in {differ},'}", "their"
 
 
 def _one_of(outcome: Outcome, words: Sequence[str], share: str) -> str:
     """Names that a recording cannot distinguish."""
-    it, its = _SEVERAL if outcome.problem.alone else _ONE
+    it, its = _recorded(outcome)
     either = f"{', '.join(words[:-1])} or {words[-1]}"
     names = f"{either}; {it} cannot distinguish them"
     if outcome.remainder is not None:
@@ -89,9 +100,11 @@ def _residual(outcome: Outcome) -> str:
     if tables and (tables[0].share or 0.0) >= _WORTH:
         return f" A force without a name, tabulated, explains {_percent(tables[0].share)} of it."
     left = outcome.remainder
-    return (
-        "" if left is None else f" {_capital(left.looks_like)} and is {left.over_noise:.2g} times the sensors' noise."
-    )
+    if left is None:
+        return ""
+    if left.over_noise < _HARDLY:
+        return " The residual is little more than the sensors' noise."
+    return f" {_capital(left.looks_like)}, and is {_two_figures(left.over_noise)} times the sensors' noise."
 
 
 def _most_likely(outcome: Outcome, does: str, has: Sequence[str]) -> str:
@@ -124,6 +137,11 @@ def _capital(text: str) -> str:
 
 def _plain(name: str) -> str:
     return name.replace("-", " ")
+
+
+def _two_figures(times: float) -> str:
+    """No power of ten, however many times it is."""
+    return f"{float(f'{times:.2g}'):.12g}"
 
 
 def _percent(share: float | None) -> str:
@@ -373,7 +391,5 @@ def _by_release(found: Open, problem: Problem, scales: Scales) -> str:
 
 
 def _released(one: Release, unit: str) -> str:
-    # two figures, and no power of ten however many times it is
-    apart = f"{float(f'{one.apart:.2g}'):.12g}"
-    far = f"{one.factor:.2g} times as far, where the two differ by {apart} times what is left now"
+    far = f"{one.factor:.2g} times as far, where the two differ by {_two_figures(one.apart)} times what is left now"
     return f"from {one.amplitude:.2g} {unit} ({far})"

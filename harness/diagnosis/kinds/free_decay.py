@@ -197,7 +197,7 @@ class DecaysTogether(Kind[Together]):
         found, shared = own_of_each(found, shared)
         problem = found.problem
         assert isinstance(problem, Together)
-        said = sentences(found.chosen, problem, shared, found.explained)
+        said = sentences(shared)
         found = replace(found, problem=replace(problem, said=said))
         if based.problem.t.size < based.whole.t.size:
             levels = [one.problem.noise for one in shared.compared.alone]

@@ -81,7 +81,7 @@ class ForcesOfSeveral(FittedForces):
             more = unmasked_forces(found.search.chosen.model, shared)
         problem = found.search.problem
         assert isinstance(problem, ForcesTogether)
-        said = sentences(found.search.chosen, problem, shared, found.search.explained)
+        said = sentences(shared)
         search = replace(found.search, problem=replace(problem, said=said))
         return replace(found, search=search, coarse=search, pooled=shared)
 

@@ -45,6 +45,11 @@ class Pooled(Generic[S]):
         """Base parameters that differ."""
         return self.problem.starts.own
 
+    @property
+    def differs_in(self) -> str:
+        """What these are called; "" where all is shared."""
+        return " and ".join(SAID[stem] for stem in self.own)
+
 
 def _less(found: Pooled[Together], one: Freed) -> Pooled[Together]:
     """With one more parameter each recording's own."""

@@ -16,8 +16,8 @@ from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.standard_errors import base_parameters, term_parameters
 from harness.diagnosis.parameters import free_of
 from harness.diagnosis.pooling.forces import force_alone
-from harness.diagnosis.pooling.own import SAID, Alone, begun_apart, median_of
-from harness.diagnosis.pooling.pooled import Differs, Pooled, differences
+from harness.diagnosis.pooling.own import Alone, begun_apart, median_of
+from harness.diagnosis.pooling.pooled import Pooled
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.forces_together import ForcesTogether
 from harness.diagnosis.problems.inverse import InverseDynamics
@@ -153,26 +153,18 @@ _EACH = 3
 """Recordings whose values are said one by one; of more the least and the most."""
 
 
-def sentences(found: Fit, problem: Together | ForcesTogether, before: Pooled[Any], explained: bool) -> tuple[str, ...]:
-    """What is shared and what differs; found : the best model, in which recordings have what is their own."""
-    count = len(problem.starts.stretches)
+def sentences(before: Pooled[Any]) -> tuple[str, ...]:
+    """What is shared and what differs."""
+    count = len(before.problem.starts.stretches)
     chance = before.compared.chance
     if before.own:
-        every = differences(found, problem, before.scales.omega, explained)
-        names = " and ".join(SAID[stem] for stem in before.own)
-        values = [_of_recording(r, row) for r, row in enumerate(every) if r and any(d.clearly for d in row)]
-        return (f"The recordings differ in {names}: {'; '.join(values)}. All else is shared.",)
+        return (f"The recordings differ in {before.differs_in}; all else is shared.",)
     if chance >= POOLED.value:
         return (f"The {count} recordings are pooled: alone they agree in their base parameters (chance {chance:.2g}).",)
     return (
         f"The {count} recordings are pooled: read alone they differ ({'; '.join(_apart(before))}), and what is missing"
         " in all of them says that as well as a parameter of their own would.",
     )
-
-
-def _of_recording(number: int, row: Sequence[Differs]) -> str:
-    said = " and ".join(d.said("the first") for d in row if d.clearly)
-    return f"recording {number + 1} has {said}"
 
 
 def _apart(before: Pooled[Any]) -> list[str]:

@@ -127,8 +127,9 @@ def said_once(notes: Sequence[tuple[str, str]], count: int) -> tuple[str, ...]:
     files: dict[str, dict[str, None]] = {}
     for file, note in notes:
         files.setdefault(note, {})[file] = None
-    every = "each of the recordings"
-    return tuple(f"in {every if len(of) == count > 1 else ' and '.join(of)}: {note}" for note, of in files.items())
+    each = [("each of the recordings",) if len(of) == count > 1 else tuple(of) for of in files.values()]
+    where = [" and ".join([", ".join(of[:-1]), of[-1]] if of[:-1] else of) for of in each]
+    return tuple(f"in {of}: {note}" for of, note in zip(where, files, strict=True))
 
 
 def in_common(recordings: Sequence[Recording]) -> list[str]:
