@@ -8,10 +8,11 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-from whole_arm_logs import LOWPASS, arm, log_of, machine, with_effect
+from whole_arm_logs import LOWPASS, NAMES, arm, log_of, machine, with_effect
 
 from benchmarks.robot_calibrate.draws import loose
 from benchmarks.robot_calibrate.plant import Friction
+from harness.core.arrays import FloatArray
 from harness.robot.arm import load_arm
 from harness.robot.whole_arm.columns import (
     ARMATURE,
@@ -25,6 +26,7 @@ from harness.robot.whole_arm.columns import (
     MOTOR,
     PAYLOAD,
     POSITION,
+    POWER,
     QUADRATIC,
     RIPPLE,
     ROTOR_OR_AXIS,
@@ -281,3 +283,34 @@ def test_bristles_turn_over_their_length() -> None:
     after = np.abs(q - 0.1)
     exact = -1.0 + 2.0 * np.exp(-after / 0.01)
     assert state[1000:] == pytest.approx(exact[1000:], abs=1e-9 + 2.0 * math.exp(-9.0))
+
+
+def test_laws_of_one_joint_that_bend_alike_have_the_numbers_put_in_within_their_errors() -> None:
+    plant, motion = machine()
+    plant = replace(plant, viscous=np.where(np.arange(plant.viscous.size) == 2, 0.0, plant.viscous))
+    put_in = {"f_s - f_c": 1.5, "v_s": 0.19, "c_p": 4.9, "exponent": 0.67}
+
+    def slower_and_concave(t: FloatArray, q: FloatArray, v: FloatArray, g: FloatArray) -> FloatArray:
+        falls = put_in["f_s - f_c"] * np.exp(-((v / put_in["v_s"]) ** 2))
+        return np.asarray(np.sign(v) * (falls + put_in["c_p"] * np.abs(v) ** put_in["exponent"]))
+
+    log = log_of(with_effect(plant, 2, slower_and_concave), motion)
+    effects = whole_arm(log, arm(), joints=[NAMES[2]], lowpass=LOWPASS).joints[0].effects
+    assert {one.name for one in effects} == {STRIBECK, POWER}
+    told = dict(effects[0].parameters) | dict(effects[1].parameters)
+    for name, value in put_in.items():
+        assert abs((told[name].value or 0.0) - value) < 3.0 * (told[name].stderr or 0.0) < 0.1 * value
+
+
+@pytest.mark.parametrize("v_s", [0.08, 0.4])
+def test_the_speed_over_which_friction_falls_is_that_put_in_at_either_end_of_those_tried(v_s: float) -> None:
+    plant, motion = machine()
+
+    def falls(t: FloatArray, q: FloatArray, v: FloatArray, g: FloatArray) -> FloatArray:
+        return np.asarray(0.5 * plant.coulomb[3] * np.sign(v) * np.exp(-((v / v_s) ** 2)))
+
+    log = log_of(with_effect(plant, 3, falls), motion)
+    (one,) = whole_arm(log, arm(), joints=[NAMES[3]], lowpass=LOWPASS).joints[0].effects
+    assert one.name in (STRIBECK, STATIC)
+    told = dict(one.parameters)["v_s"]
+    assert abs((told.value or 0.0) - v_s) < 3.0 * (told.stderr or 0.0) < 0.2 * v_s

@@ -71,7 +71,8 @@ class Candidate:
     expected of each number beforehand, inf where anything goes. what : name and unit of the value, if there is one.
     values : those that are tried. smooth : the columns go with the value without a jump. looks : independent values
     that this one is the best of, where it was chosen among them and polished. positive : the first number is above 0,
-    or the effect is not what its name says. viscous : it stands in place of the joint's viscous friction.
+    or the effect is not what its name says. viscous : it stands in place of the joint's viscous friction. among : what
+    a polished one was before. limits : between which its value may come out, by default the first and the last tried.
     """
 
     name: str
@@ -85,6 +86,8 @@ class Candidate:
     looks: float = 1.0
     positive: bool = False
     viscous: bool = False
+    among: "Candidate | None" = None
+    limits: tuple[float, float] | None = None
 
     @property
     def key(self) -> tuple[str, int | None]:
@@ -102,12 +105,22 @@ class Candidate:
         numbers (c,) : of the columns at that value; the further number is the step. looks : values it was among.
         """
         assert self.what is not None
-        step = _STEP * value
-        ((joint, at),) = self.torque(value).items()
-        slope = (self.torque(value + step)[joint] - self.torque(value - step)[joint]) @ numbers / (2.0 * step)
+        every, step = self.among or self, _STEP * value
+        ((joint, at),) = every.torque(value).items()
+        slope = (every.torque(value + step)[joint] - every.torque(value - step)[joint]) @ numbers / (2.0 * step)
         columns = {joint: np.column_stack((at, slope))}
-        more, spread = (*self.numbers, self.what), np.append(self.spread, np.inf)
-        return replace(self, torque=lambda _: columns, numbers=more, spread=spread, values=(value,), looks=looks)
+        more, spread = (*every.numbers, self.what), np.append(every.spread, np.inf)
+        return replace(
+            every, torque=lambda _: columns, numbers=more, spread=spread, values=(value,), looks=looks, among=every
+        )
+
+    def stepped(self, value: float, step: float) -> float:
+        """Where a step from a value ends: as far away as a neighbour of those tried at most, and within the limits."""
+        assert self.among is not None
+        grid = self.among.values
+        at = min(max(int(np.searchsorted(grid, value)), 1), len(grid) - 1)
+        far, (lower, upper) = grid[at] - grid[at - 1], self.limits or (grid[0], grid[-1])
+        return float(np.clip(value + np.clip(step, -far, far), lower, upper))
 
 
 _STEP = 1e-3
@@ -138,7 +151,9 @@ def of_friction(
     )
 
 
-def fall_with_speed(name: str, filtered: Filtered, joint: int, speeds: FloatArray) -> Candidate:
+def fall_with_speed(
+    name: str, filtered: Filtered, joint: int, speeds: FloatArray, limits: tuple[float, float] | None = None
+) -> Candidate:
     """Friction that is higher at rest and falls with speed."""
     v = filtered.v_fine[:, filtered.dof[joint]]
     sign = signs(v)
@@ -147,7 +162,7 @@ def fall_with_speed(name: str, filtered: Filtered, joint: int, speeds: FloatArra
         return filtered.column((sign * np.exp(-((v / v_s) ** 2)))[:, None], jumps=True)
 
     found = of_friction(name, joint, (("f_s - f_c", "N m"),), fallen, ("v_s", "rad/s"), speeds)
-    return replace(found, positive=True)
+    return replace(found, positive=True, limits=limits)
 
 
 def friction_candidates(filtered: Filtered, joint: int, gravity: FloatArray, kept: BoolArray) -> Iterator[Candidate]:
@@ -161,7 +176,8 @@ def friction_candidates(filtered: Filtered, joint: int, gravity: FloatArray, kep
 
     slow = np.abs(filtered.v[kept, dof])
     if slow.size and (least := np.quantile(slow, COVERED.value)) > 0.0:
-        yield fall_with_speed(STRIBECK, filtered, joint, np.geomspace(least, np.quantile(slow, 0.7), _SPEEDS))
+        speeds = np.geomspace(least, np.quantile(slow, 0.7), _SPEEDS)
+        yield fall_with_speed(STRIBECK, filtered, joint, speeds, (float(np.min(slow)), float(np.max(slow))))
     if np.ptp(gravity) > _NOTHING:
         yield one(LOAD, "share of load", "1", sign * np.abs(gravity), jumps=True)
     yield one(ASYMMETRIC, "half difference", "N m s/rad", np.abs(v))

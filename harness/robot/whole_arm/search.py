@@ -179,7 +179,8 @@ def rms(design: Design, t: FloatArray) -> FloatArray:
 
 CORRECTED = (PAYLOAD, DELAY, TILT, ZERO)
 """Errors of the model whose effect is not linear in their size."""
-_POLISHINGS = 5
+_POLISHINGS, _STEADY = 20, 1e-4
+"""Steps at most of what is not linear, and the share of a value below which a step is the last."""
 _ROUNDS = 8
 """Of searching and correcting, at most."""
 
@@ -233,9 +234,9 @@ def _search(problem: Problem, candidates: Sequence[Candidate], forced: Sequence[
             refused.add(best.candidate.key)
             continue
         design, before = trial, after
-        chosen.append(replace(named, rivals=_rivals(best, scores, design)))
+        chosen = [*named[:-1], replace(named[-1], rivals=_rivals(best, scores, design))]
         design.named = tuple(chosen)
-        if named.candidate.name in CORRECTED:
+        if chosen[-1].candidate.name in CORRECTED:
             return Model(design, 0.0, again=True)
     return _pruned(parts, chosen, len(forced), best)
 
@@ -263,27 +264,43 @@ def _driving(design: Design) -> int:
     return sum(int(np.any(design.numbers[at][:2] < -2.0 * errors[at][:2])) for at in design.base.values())
 
 
-def polished(parts: Parts, others: Sequence[Named], named: Named) -> tuple[Named, Design]:
-    """A candidate with what is not linear in it brought to its best value, and the model that has it."""
-    design, candidate = Design(parts, [*others, named]), named.candidate
+def polished(parts: Parts, others: Sequence[Named], named: Named) -> tuple[list[Named], Design]:
+    """What is in a model and a further candidate, all brought to their best values, and the model that has them."""
+    candidate = named.candidate
     if candidate.viscous:
         # chosen beside viscous friction, which is gone once it is in
         every = [Design(parts, [*others, replace(named, setting=i)]) for i in range(len(candidate.values))]
-        design = min(every, key=lambda one: float(one.residual @ one.residual))
-        named = design.named[-1]
-    if candidate.what is None or not candidate.smooth:
-        return named, design
-    value, grid = named.value, candidate.values
-    lower, upper = grid[max(named.setting - 1, 0)], grid[min(named.setting + 1, len(grid) - 1)]
-    count = candidate.spread.size
-    numbers = design.numbers[design.places[-1]][:count]
+        named = min(every, key=lambda one: float(one.residual @ one.residual)).named[-1]
+    return settled(parts, [*others, named])
+
+
+def settled(parts: Parts, named: Sequence[Named]) -> tuple[list[Named], Design]:
+    """What is not linear in each of a model's candidates brought to its best value beside the others, and the model.
+
+    Each law changes where the others are at their best, and so does what is known of the noise: a value that was best
+    when its law was chosen would stand, with errors that know nothing of it.
+    """
+    found, design = list(named), Design(parts, named)
     for _ in range(_POLISHINGS):
-        around = Whitened.of(candidate.around(value, numbers, named.whitened.looks), parts)
-        at = replace(named, whitened=around, setting=0)
-        design = Design(parts, [*others, at])
-        found = design.numbers[design.places[-1]]
-        numbers, value = found[:count], float(np.clip(value + found[count], lower, upper))
-    return at, design
+        moved = [_moved(parts, one, design.numbers[at]) for one, at in zip(found, design.places, strict=True)]
+        steady = all(
+            abs(new.value - old.value) <= _STEADY * abs(old.value) for new, old in zip(moved, found, strict=True)
+        )
+        if steady and all(new is old or old.candidate.among for new, old in zip(moved, found, strict=True)):
+            break
+        found, design = moved, Design(parts, moved)
+    return found, design
+
+
+def _moved(parts: Parts, one: Named, numbers: FloatArray) -> Named:
+    """What was named a step further, to where its numbers say; itself where it has no value that goes smoothly."""
+    candidate = one.candidate
+    if candidate.what is None or not candidate.smooth:
+        return one
+    count = (candidate.among or candidate).spread.size
+    value = candidate.stepped(one.value, float(numbers[count])) if candidate.among else one.value
+    around = candidate.around(value, numbers[:count], one.whitened.looks)
+    return replace(one, whitened=Whitened.of(around, parts), setting=0)
 
 
 def _rivals(best: Named, scores: Sequence[Named], after: Design) -> tuple[str, ...]:
@@ -304,8 +321,7 @@ def _pruned(parts: Parts, chosen: Sequence[Named], forced: int, left_out: Named 
         # the second time the weights are those of the noise itself
         for _ in range(2):
             parts = {j: replace(part, noise=_learnt(design, j)) for j, part in design.parts.items()}
-            kept = [replace(one, whitened=Whitened.of(one.candidate, parts)) for one in kept]
-            design = Design(parts, kept)
+            kept, design = settled(parts, [replace(one, whitened=Whitened.of(one.candidate, parts)) for one in kept])
         sure = []
         for i, one in enumerate(kept):
             sure.append(Design(parts, [*kept[:i], *kept[i + 1 :]]).score(one.whitened).evidence)
@@ -314,7 +330,7 @@ def _pruned(parts: Parts, chosen: Sequence[Named], forced: int, left_out: Named 
         if not sure[forced:] or min(sure[forced:]) >= NAMED.value:
             break
         del kept[forced + int(np.argmin(sure[forced:]))]
-        design = Design(parts, kept)
+        kept, design = settled(parts, kept)
     if left_out is None or left_out.candidate.key in {one.candidate.key for one in kept}:
         return Model(design, 0.0)
     return Model(design, design.score(Whitened.of(left_out.candidate, parts)).evidence)

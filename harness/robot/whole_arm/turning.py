@@ -50,7 +50,23 @@ class Turned:
 
 
 def at_reversals(solved: Solved, joint: int) -> Turned | None:
-    """What is named at the reversals of a joint, at most one thing."""
+    """What is named at the reversals of a joint, at most one thing.
+
+    A fall with speed whose foot few guarded samples see is static friction where the reversals tell that better.
+    """
+    filtered, design = solved.problem.filtered, solved.model.design
+    falling = [one for one in solved.model.of_joint(joint) if one.candidate.name == STRIBECK]
+    covered = np.quantile(np.abs(filtered.v[design.parts[joint].stretches.kept, filtered.dof[joint]]), COVERED.value)
+    if falling and falling[0].value <= AT_EDGE.value * float(covered):
+        instead = _turned(solved, joint, without=STRIBECK)
+        if instead and instead.named.candidate.name == STATIC:
+            return replace(instead, of_stribeck=True)
+    found = _turned(solved, joint)
+    return None if falling and found and found.named.candidate.name == STATIC else found
+
+
+def _turned(solved: Solved, joint: int, without: str = "") -> Turned | None:
+    """What is named at the reversals of a joint beside what is named of it, ``without`` a name."""
     filtered, design = solved.problem.filtered, solved.model.design
     part, rigid = design.parts[joint], solved.problem.rigid[:, joint]
     v = filtered.v_fine[:, filtered.dof[joint]]
@@ -61,7 +77,9 @@ def at_reversals(solved: Solved, joint: int) -> Turned | None:
     own = part.torque - design.said(joint, lambda candidate: candidate.joint is None)
     parts = {joint: replace(part, torque=own, stretches=Stretches.of(filtered.good & free))}
     local = [
-        replace(one, whitened=Whitened.of(one.candidate, parts)) for one in design.named if one.candidate.joint == joint
+        replace(one, whitened=Whitened.of(one.candidate, parts))
+        for one in design.named
+        if one.candidate.joint == joint and one.candidate.name != without
     ]
     times = filtered.t_fine[0] + turns / filtered.fine.rate
     nearest = np.searchsorted((times[1:] + times[:-1]) / 2.0, filtered.t)[parts[joint].stretches.kept]
@@ -83,17 +101,9 @@ def at_reversals(solved: Solved, joint: int) -> Turned | None:
     best = replace(
         best, rivals=tuple(one.candidate.name for one, *_ in found[1:] if one.gain > best.gain - RIVAL.value)
     )
-    falling = [one for one in local if one.candidate.name == STRIBECK]
-    sharper = bool(falling) and best.candidate.name == STATIC
-    if sharper:
-        covered = np.quantile(np.abs(filtered.v[part.stretches.kept, filtered.dof[joint]]), COVERED.value)
-        if falling[0].value > AT_EDGE.value * float(covered):
-            return None
-        held = [one for one in held if one.candidate.name != STRIBECK]
-        base = Design(parts, held)
     if best.candidate.name == DELAY:
         held, base = local, plain
-    named, fitted = polished(parts, held, best)
+    (*_, named), fitted = polished(parts, held, best)
     errors = np.sqrt(np.diag(fitted.covariance()))[fitted.places[-1]]
     errors[0] = max(errors[0], error)
     # what a reversal's own rest makes is no presliding
@@ -103,7 +113,7 @@ def at_reversals(solved: Solved, joint: int) -> Turned | None:
     squares = [float(np.sum(one.left(joint)[turning] ** 2)) for one in (base, fitted)]
     floor = float(np.sum(turning)) * filtered.torque_noise[joint] ** 2
     share = float(np.clip((squares[0] - squares[1]) / max(squares[0] - floor, 1e-300), 0.0, 1.0))
-    return Turned(named, fitted.numbers[fitted.places[-1]], errors, share, sharper)
+    return Turned(named, fitted.numbers[fitted.places[-1]], errors, share)
 
 
 def _sliding(filtered: Filtered, joint: int, turns: FloatArray) -> tuple[FloatArray, BoolArray]:
