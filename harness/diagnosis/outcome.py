@@ -202,7 +202,8 @@ class Outcome:
     posterior : which names are missing, most likely first.
     rules : those that decided. remainder : where no model explains the recording to its noise. tables : of what has no
     name, part of the refined model; surface : what of it hangs on position and speed at once. pooled : what several
-    recordings share, where there are several. bounded : whether a budget ended the search.
+    recordings share, where there are several. bounded : whether a budget ended the search. shifts : by which a law that
+    could hide would shift each number of the base model, by name.
     """
 
     problem: Problem
@@ -225,6 +226,7 @@ class Outcome:
     surface: Surface | None = None
     pooled: Pooled[Any] | None = None
     bounded: bool = False
+    shifts: Mapping[str, float] = field(default_factory=dict)
 
     def chi2_per_point(self, found: Fit) -> float | None:
         """Of the base or the refined fit, in units of the noise; None where nothing says how large that is.

@@ -3,7 +3,7 @@
 Where kinds of problem differ, their own files say how (harness.diagnosis.kinds); what is said here is the same for all.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any
@@ -11,7 +11,7 @@ from typing import Any
 from harness.core.budget import USUAL, Budget, given
 from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
-from harness.diagnosis.explain.could_hide import could_hide, with_systematic
+from harness.diagnosis.explain.could_hide import could_hide, most_shifted, with_systematic
 from harness.diagnosis.explain.mechanism import each_of, mechanism, of_force, of_misfit, remainder, remainder_of_force
 from harness.diagnosis.explain.next_experiment import left_open, left_open_by_grade
 from harness.diagnosis.explain.sentences import (
@@ -208,10 +208,11 @@ def _said(judged: Judged) -> Outcome:
     warned = cautions(found, judgement, prediction) if by_force is None else cautions_of_force(by_force)
     said = () if stepping is None else (stepping.sentence,)
     numbers = base_parameters(found.base, problem, scales.omega, verdict == "adequate")
+    shifts: Mapping[str, float] = {}
     if verdict == "adequate" and (driven or not problem.returns):
         hidden = could_hide(found, scales)
-        said = (*said, *hiding(numbers, hidden))
-        numbers = with_systematic(numbers, hidden)
+        said, shifts = (*said, *hiding(numbers, hidden)), most_shifted(hidden)
+        numbers = with_systematic(numbers, shifts)
     outcome = Outcome(
         problem=problem,
         scales=scales,
@@ -236,6 +237,7 @@ def _said(judged: Judged) -> Outcome:
         rules=(*judgement.rules, *(COVARIATES if problem.covariates else ()), *(POOLING if problem.alone else ())),
         remainder=None if by_force is None else remainder_of_force(by_force),
         pooled=judged.found.pooled,
+        shifts=shifts,
     )
     return outcome if by_force is None else with_force_tables(outcome, by_force)
 

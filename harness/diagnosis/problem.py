@@ -116,6 +116,11 @@ class Problem(ABC):
         return True
 
     @property
+    def looked_at(self) -> tuple[float, float] | None:
+        """Speed above which friction counts, and the share of the recording that counts; None where all of it does."""
+        return None
+
+    @property
     def settled(self) -> tuple[float, float]:
         """Gain of a step, and share of chi-square, below which nobody could see what it changes."""
         return SETTLED, SETTLED / self.points

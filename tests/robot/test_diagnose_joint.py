@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -68,6 +69,28 @@ def test_known_friction_comes_out_of_a_servos_log(tmp_path: Path, joint: str, fi
         _near(result, "baseline", "rest_angle", own.q_eq, 0.01)
     else:
         assert "gravity" not in result.baseline.parameters
+
+
+def test_what_hides_in_a_joint_is_within_what_is_said_and_reversals_are_not_said_to_be_explained(
+    tmp_path: Path,
+) -> None:
+    log = excited(ARM, FRICTION, ("elbow",), duration=6.0)
+    v = log.velocity["elbow"]
+    # too little to be seen: a concave friction, and a fall with speed that is over beside each reversal
+    more = 0.004 * np.sign(v) * np.abs(v) ** 0.7 + 0.05 * np.sign(v) * np.exp(-((v / 0.02) ** 2))
+    result = _diagnosed(replace(log, effort={**log.effort, "elbow": log.effort["elbow"] + more}), tmp_path)
+    assert result.verdict == "adequate"
+    for side in (result.baseline, result.refined):
+        for name, true in (("f_k", FRICTION["elbow"].f_k), ("c", FRICTION["elbow"].c)):
+            one = side.parameters[name]
+            assert one.value is not None
+            assert one.stderr is not None
+            assert one.systematic is not None
+            assert abs(one.value - true) <= 2.0 * one.stderr + one.systematic
+            assert one.systematic <= true * 1.1
+    said = re.search(r"No missing physics above (\S+) rad/s.*was not looked at", result.statement)
+    assert said is not None
+    assert 0.02 < float(said[1]) < float(np.max(np.abs(v)))
 
 
 def _swing(f_k: float = 0.03, c: float = 0.05, seed: int = 0, terms: tuple[ModelTerm, ...] = ()) -> JointLog:

@@ -14,6 +14,7 @@ from harness.app.diagnose.result import Diagnosed
 from harness.app.shared.parts import reduction_of
 from harness.core.arrays import FloatArray
 from harness.core.quantity import Quantity
+from harness.diagnosis.explain.could_hide import with_systematic
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.standard_errors import plain_parameters
 from harness.diagnosis.kinds.known import kind_of
@@ -222,7 +223,8 @@ def named(
 
 def _parameters(fitted: Fit, outcome: Outcome, one: OneJoint, explained: bool) -> dict[str, Quantity]:
     """inertia, c, f_k, offset; of a pendulum gravity and rest_angle, of a spring stiffness."""
-    plain = plain_parameters(fitted, outcome.problem, outcome.scales.omega, explained)
+    told = plain_parameters(fitted, outcome.problem, outcome.scales.omega, explained)
+    plain = with_systematic(told, outcome.shifts)
     torque = plain["f_k"].unit
     named = {"inertia": plain["m"], "c": plain["c"], "f_k": plain["f_k"]}
     if plain["m"].stderr is None:
@@ -257,7 +259,12 @@ def _paste(nearest: tuple[Quantity, Quantity], inertia: Quantity, arm: Arm, foun
 def _statement(statement: str, fitted: Mapping[str, Quantity], arm: Arm, joint: str) -> str:
     i = arm.index(joint)
     own = f"{arm.frictionloss[i]:.4g} and {arm.damping[i]:.4g}"
-    return f"{joint}: dry friction {fitted['f_k']}, damping {fitted['c']} (in the model {own}). {statement}"
+    f_k, c = fitted["f_k"], fitted["c"]
+    by = [f"{q.systematic:.2g} {q.unit}" for q in (f_k, c) if q.systematic and q.systematic > (q.stderr or 0.0)]
+    hidden = (
+        f" What could hide would shift {'them' if len(by) == 2 else 'it'} by up to {' and '.join(by)}." if by else ""
+    )
+    return f"{joint}: dry friction {f_k}, damping {c} (in the model {own}).{hidden} {statement}"
 
 
 def _beside(fitted: Mapping[str, Quantity], found: Coupling, one: OneJoint) -> list[str]:

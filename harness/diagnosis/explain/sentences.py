@@ -8,6 +8,7 @@ from harness.diagnosis.baseline.words import strokes_of
 from harness.diagnosis.explain.could_hide import Hidden
 from harness.diagnosis.explain.next_experiment import Open, Release, releases
 from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.fit.standard_errors import unit_of
 from harness.diagnosis.grading.contest import Contest, in_step
 from harness.diagnosis.grading.grade import Graded
 from harness.diagnosis.grading.prediction import free_run, ratio
@@ -51,7 +52,7 @@ def sentence_of(outcome: Outcome, has: Sequence[str] = (), units: str = "") -> s
     mechanisms = outcome.mechanisms
     match outcome.verdict:
         case "adequate":
-            return f"No missing physics: viscous and Coulomb friction explain {it} to {its} noise."
+            return _enough(outcome.problem, it, its)
         case "missing_physics" if len(mechanisms) == 1 and MOST_LIKELY in outcome.rules:
             return f"{_most_likely(outcome, f'explains {it} to {its} noise', has)}. {mechanisms[0].statement}"
         case "missing_physics":
@@ -76,6 +77,19 @@ def _recorded(outcome: Outcome) -> tuple[str, str]:
         return "this recording", "its"
     differ = "" if outcome.pooled is None else outcome.pooled.differs_in
     return f"these recordings{differ and f', which differ in {differ},'}", "their"
+
+
+def _enough(problem: Problem, it: str, its: str) -> str:
+    """That nothing is missing, as far as the recording was looked at."""
+    explain = f"viscous and Coulomb friction explain {it} to {its} noise"
+    if problem.looked_at is None:
+        return f"No missing physics: {explain}."
+    speed, share = problem.looked_at
+    slow = f"{speed:.2g} {unit_of('m/s', problem)}"
+    return (
+        f"No missing physics above {slow}: {explain} at such speeds. What friction does below, beside reversals"
+        f" ({1.0 - share:.0%} of the time), was not looked at."
+    )
 
 
 def _one_of(outcome: Outcome, words: Sequence[str], share: str) -> str:

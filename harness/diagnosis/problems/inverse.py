@@ -99,6 +99,14 @@ class InverseDynamics(Forced):
         return False
 
     @property
+    def looked_at(self) -> tuple[float, float] | None:
+        """See Problem."""
+        if not self.guarded:
+            return None
+        seen = self.measured
+        return float(np.min(np.abs(seen.blocks(seen.v)))), float(np.mean(seen.moving))
+
+    @property
     def settled(self) -> tuple[float, float]:
         """By the share alone: there is no level that is known."""
         return 0.0, _SETTLED
