@@ -22,7 +22,7 @@ from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.base_fit import driven_scales
 from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.fit.rmse import motion_followed
-from harness.diagnosis.fit.standard_errors import unit_of
+from harness.diagnosis.fit.standard_errors import leading, unit_of
 from harness.diagnosis.inverse_dynamics.force_screen import starts, whole_in
 from harness.diagnosis.inverse_dynamics.grade import ForceGraded, graded_by
 from harness.diagnosis.inverse_dynamics.left_over import LeftOver, beyond_chance, left_over
@@ -33,7 +33,7 @@ from harness.diagnosis.problems.driven import Driven
 from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.problems.simulated import COARSE, observe
 from harness.diagnosis.residual_tests.structure import Left
-from harness.diagnosis.rules import AMONG_NAMES, DECISIVE, MOST_FORCE_TERMS, MOVES, PREDICTS_WORSE
+from harness.diagnosis.rules import AMONG_NAMES, DECISIVE, MOST_FORCE_TERMS, MOVES, PREDICTS_WORSE, SHOWN_BY_FORCE
 from harness.diagnosis.search.search import Search, less_each, under
 from harness.diagnosis.smoothed_state.state import Course
 from harness.fit.autocorrelation import ENOUGH
@@ -142,11 +142,24 @@ def _grown(
             better = beyond_chance(allowed, chosen, problem, scales, further)
         # what moves otherwise or cannot be followed is no model of the motion, however well it says the force
         kept = next((f for f in better if _moves(f, least, problem, scales)), None)
-        if kept is None:
+        if kept is None or not (judge or _of_some_size(kept, problem, scales)):
             break
         chosen = kept
         path.append(kept)
     return chosen, singles, rivals, path
+
+
+def _of_some_size(found: Fit, problem: InverseDynamics, scales: Scales) -> bool:
+    """Whether the last law of a model is surely there by its own number, where reversals do not count.
+
+    A branch that relaxes within what is left out beside them is viscous friction in all but name: it takes that over
+    whole, and what its own two numbers are the force does not show.
+    """
+    if not problem.guarded or problem.alone:
+        return True
+    seen = problem.levelled(found.residual, found.memory.independent)
+    share = leading(under(found, seen), seen, len(found.model.terms) - 1, scales.omega)
+    return not share > SHOWN_BY_FORCE.value
 
 
 def _pushes(found: Fit, problem: InverseDynamics, scales: Scales) -> bool:
