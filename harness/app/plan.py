@@ -108,6 +108,7 @@ def _joints(best: Motion, rate: float, better: FloatArray) -> list[PlannedJoint]
         found.append(
             PlannedJoint(
                 joint=name,
+                slides=best.arm.slides(name),
                 low=float(np.min(q[:, i])),
                 high=float(np.max(q[:, i])),
                 speed=float(np.max(np.abs(v[:, i]))),

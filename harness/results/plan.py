@@ -11,6 +11,7 @@ class PlannedJoint(Result):
     """One joint of it."""
 
     joint: str
+    slides: bool = Field(default=False, description="whether it slides, in m and N, and does not turn, in rad and N m")
     low: float = Field(description="of its way, rad or m")
     high: float
     speed: float = Field(description="largest, rad/s or m/s")

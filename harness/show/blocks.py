@@ -151,10 +151,11 @@ class Cards:
 
 @dataclass(frozen=True, slots=True)
 class Zoom:
-    """A bar of buttons: a label and a range of time (s) each, for figures of one group."""
+    """A bar of buttons: a label and a range of time (s) each, for figures of one group. to : what these show."""
 
     buttons: Sequence[tuple[str, tuple[float, float]]]
     group: str
+    to: str = "a reversal"
 
 
 @dataclass(frozen=True, slots=True)

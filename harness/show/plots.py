@@ -149,12 +149,12 @@ def shades(spans: Sequence[Sequence[float]], color: str = SHADE) -> list[dict[st
     return [place | {"x0": low, "x1": high, "line": {"width": 0}} for low, high in spans[:MOST_SHADES]]
 
 
-def zoom(times: Sequence[float], duration: float) -> Zoom:
-    """A bar that zooms to these times, s."""
+def zoom(times: Sequence[float], duration: float, to: str = "a reversal") -> Zoom:
+    """A bar that zooms to these times, s; to : what they are."""
     spacing = float(np.median(np.diff(times))) if len(times) > 1 else 0.2 * duration
     half = AROUND * spacing
     ranges = [(f"{i + 1}: {t:.3f} s", (float(t - half), float(t + half))) for i, t in enumerate(times[:MOST_BUTTONS])]
-    return Zoom(ranges, GROUP)
+    return Zoom(ranges, GROUP, to)
 
 
 def some(figures: Sequence[Figure]) -> list[Figure]:

@@ -96,6 +96,8 @@ def test_a_file_without_a_time_needs_no_option_and_leaves_page_trace_and_models(
     assert found.baseline.parameters["c"].value == pytest.approx(0.3, abs=0.01)
     for name in ("report.html", "trace.rrd", "model/model.json"):
         assert (tmp_path / "left" / name).stat().st_size > 0
+    page = (tmp_path / "left" / "report.html").read_text()
+    assert page.index("Friction by speed") < page.index("Residual by speed")
 
 
 def test_a_table_is_identified_under_each_assumption(tmp_path: Path) -> None:

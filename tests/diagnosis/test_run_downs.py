@@ -68,6 +68,7 @@ def test_forces_are_of_an_inertia_that_is_known_and_both_directions_are_one() ->
     assert found.verdict == "adequate"
     holds(found.baseline.parameters["c"], 0.2 * 0.03)
     holds(found.baseline.parameters["f_k"], 1.5 * 0.03)
+    assert found.baseline.parameters["mass"].value == 0.03
     assert "per" not in found.baseline.parameters["f_k"].unit
 
 
@@ -110,6 +111,7 @@ def test_what_no_run_down_parts_is_said_and_a_part_held_out_is_predicted() -> No
     found = harness.diagnose(told(T, x=viscous(T, 25.0, 0.2, 1.5)[0]), engines=())
     assert any("one direction" in line and "grade" in line for line in found.recording.notes)
     assert any("ratios" in line for line in found.recording.notes)
+    assert set(found.baseline.parameters) == {"c", "f_k"}
     assert found.holdout.baseline_rmse["x"] < 2.0 * NOISE
 
 

@@ -14,6 +14,7 @@ from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.parameters import free_of, values_of, with_values
 from harness.diagnosis.pipeline import diagnose, fit_base, prepare, prepare_together
 from harness.diagnosis.pooling.pooled import shared_by
+from harness.diagnosis.prepare.free_decay import said_once
 from harness.diagnosis.problems.simulated import observe
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.request import Asked
@@ -236,3 +237,13 @@ def test_a_residual_of_any_length_is_tested() -> None:
     for n in (127, 128, 129, 130):
         white: FloatArray = np.random.default_rng(n).standard_normal(n)
         assert 0.0 < lack_of_fit({"x": white}, np.linspace(0.0, 4.0, n), 10.0).p_value <= 1.0
+
+
+def test_what_was_done_to_several_alike_is_said_once() -> None:
+    first, rest = "the first 0.2 s, before the release, are skipped", "the last {} s, a long rest, are skipped"
+    notes = [("a2.csv", first), ("a2.csv", rest.format("2.97")), ("b.csv", rest.format("12.4")), ("b.csv", first)]
+    assert said_once([*notes, ("c.csv", rest.format("3")), ("c.csv", "x is not used")], 3) == (
+        "in a2.csv and b.csv: the first 0.2 s, before the release, are skipped",
+        "in each of the recordings: the last 2.97 to 12.4 s, a long rest, are skipped",
+        "in c.csv: x is not used",
+    )

@@ -70,9 +70,11 @@ def _print(result: "IdentifyResult") -> None:
         reasons = dict.fromkeys(number.why for number in numbers if number.value is None and number.why)
         refused += [f"{method}: {reason}" for reason in reasons]
     if result.slowing:
-        both = [(method, with_error(one.f_k), with_error(one.c), f"{one.chi2_per_point:.3g}")
+        # a unit stands in the heading: "N m s/rad per kg m^2" in every cell is wider than a terminal
+        first = next(iter(result.slowing.values()))
+        both = [(method, with_error(one.f_k, one.f_k.unit), with_error(one.c, one.c.unit), f"{one.chi2_per_point:.3g}")
                 for method, one in result.slowing.items()]  # fmt: skip
-        show_rows(("method", "f_k", "c", "chi2 a point"), both)
+        show_rows(("method", f"f_k\n{first.f_k.unit}", f"c\n{first.c.unit}", "chi2\na point"), both)
     else:
         show_rows(("method", "omega_n rad/s", "zeta", "x_k", "reversals"), rows)
     if result.sensor_phase_rad.value is not None:

@@ -51,21 +51,25 @@ def command(
 
 
 def _print(result: "PlanResult") -> None:
-    rows = [
-        (
-            one.joint,
-            f"{one.low:.3g} to {one.high:.3g}",
-            f"{one.speed:.3g}",
-            f"{one.torque:.3g}",
-            *(f"{x:.2f}" for x in one.better),
+    rows = []
+    for one in result.joints:
+        far, force = ("m", "N") if one.slides else ("rad", "N m")
+        rows.append(
+            (
+                one.joint,
+                f"{one.low:.3g} to {one.high:.3g} {far}",
+                f"{one.speed:.3g} {far}/s",
+                f"{one.torque:.3g} {force}",
+                *(f"/ {x:.2f}" for x in one.better),
+            )
         )
-        for one in result.joints
-    ]
-    show_rows(("joint", "way", "speed", "torque", "Coulomb", "viscous"), rows, ("joint",))
+    heads = ("joint", "position", "largest\nspeed", "largest\ntorque", "error of\nCoulomb", "error of\nviscous")
+    show_rows(heads, rows, ("joint",))
     say(
-        "Coulomb, viscous: their errors by the median of 20 random motions as large as the limits allow, over those"
-        f" by this one: {result.better:.2f} in the mean; {result.better_than_conditioned:.2f} of the one of them with"
-        f" the least condition number, {result.better_than_drawn:.2f} of random motions as they are drawn"
+        f"Errors of friction are {result.better:.2f} times smaller than along random motions as large as the limits"
+        f" allow (the median of 20; each joint's in the table), {result.better_than_conditioned:.2f} times smaller than"
+        f" along the one of these with the least condition number, {result.better_than_drawn:.2f} times smaller than"
+        " along random motions as drawn."
     )
     say_all(result.notes)
     say_as_it_is(f"trajectory: {result.files['csv']}")

@@ -19,8 +19,8 @@ from harness.model.model import Model
 
 _COARSEST = 1e-3
 """Step that an engine begins with at most, s: that of the tuned presets."""
-_STEPS_A_CYCLE = 400
-"""Or so many a swing."""
+_STEPS_A_CYCLE, _MOST_A_CYCLE = 400, 4000
+"""Or so many a swing; of a slow one no more than so many."""
 _SMALL = 0.3
 """Share of the noise that an engine's own error may reach."""
 _HALVINGS = 4
@@ -123,7 +123,8 @@ def shown_by(
 
 
 def suitable_step(problem: Problem, scales: Scales) -> float:
-    """A step (s) of at most 1 ms and 1/400 of a period that divides the recording's interval, so that samples meet."""
+    """A step (s) that divides the recording's interval, so that samples meet: 1 ms, or 1/400 to 1/4000 of a period."""
     interval = float(np.median(np.diff(problem.t)))
-    longest = min(_COARSEST, 2.0 * math.pi / scales.omega / _STEPS_A_CYCLE)
+    period = 2.0 * math.pi / scales.omega
+    longest = min(max(_COARSEST, period / _MOST_A_CYCLE), period / _STEPS_A_CYCLE)
     return interval / math.ceil(interval / longest)

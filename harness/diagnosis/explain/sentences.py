@@ -66,9 +66,23 @@ def sentence_of(outcome: Outcome, has: Sequence[str] = (), units: str = "") -> s
         return f"{likely}: {_numbers(named[0])}.{_residual(outcome)}"
     if outcome.verdict == "one_of":
         return _one_of(outcome, words, share)
-    more = f" The largest contribution is {words[0]} ({share} of the misfit)." if words else _residual(outcome)
-    more = f" {_capital(units)}" if units else more
-    return f"Cannot tell what is missing: no term of the catalogue explains most of the misfit.{more}"
+    return f"Cannot tell what is missing: {_untold(outcome, words, share, units)}"
+
+
+def _untold(outcome: Outcome, words: Sequence[str], share: str, units: str) -> str:
+    """What is known where nothing is named for sure."""
+    most = "no term of the catalogue explains most of the misfit."
+    if units:
+        return f"{most} {_capital(units)}"
+    if words:
+        return f"{most} The largest contribution is {words[0]} ({share} of the misfit)."
+    if outcome.remainder is not None:
+        return f"{most}{_residual(outcome)}"
+    # nothing was graded by its share: what comes near is all that is known
+    it, its = _recorded(outcome)
+    best = max(outcome.evidence, key=lambda tried: tried.delta_bic, default=None)
+    near = "" if best is None or best.delta_bic <= 0.0 else f"; {_plain(best.name)} comes nearest"
+    return f"no term of the catalogue is sure to explain {it} to {its} noise{near}."
 
 
 def _recorded(outcome: Outcome) -> tuple[str, str]:

@@ -202,7 +202,8 @@ def base_parameters(found: Fit, problem: Problem, omega: float, explained: bool)
         mass = about_an_axis("kg") if problem.angular else "kg"
         inertia = combined(m, {"m": 1.0}, mass) if "m" in at else Quantity(m, None, mass, _NOT_FITTED)
         return {
-            **({"mass": inertia} if problem.moves else {}),
+            # of a run-down whose mass nobody gave only ratios to it are known
+            **({"mass": inertia} if problem.moves and ("m" in at or model.mass_known) else {}),
             "c": combined(c, {"c": 1.0}, unit_of("N s/m", problem), c <= 0.0),
             "f_k": combined(f_k, {"f_k": 1.0}, unit_of("N", problem), f_k <= 0.0),
             **given,

@@ -4,6 +4,7 @@ Several recordings of one machine made ready as one problem: held alike, measure
 """
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -93,6 +94,8 @@ def _in_motion(recording: Recording, restoring: Restoring) -> _Moving:
     return _Moving(cut, tuple(notes), begin > 0, found.half_time)
 
 
+_NUMBER = re.compile(r"(?<![\w.])\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\w.]\w)")
+"""In a note, and in none of its names."""
 _FEWEST = 2
 """Recordings that there is something to pool of."""
 
@@ -123,13 +126,27 @@ def together(recordings: Sequence[Recording], asked: Asked) -> tuple[Together, t
 
 
 def said_once(notes: Sequence[tuple[str, str]], count: int) -> tuple[str, ...]:
-    """Notes, each with the file that it is on, once for all files of which it is true. count : of the recordings."""
-    files: dict[str, dict[str, None]] = {}
-    for file, note in notes:
-        files.setdefault(note, {})[file] = None
-    each = [("each of the recordings",) if len(of) == count > 1 else tuple(of) for of in files.values()]
-    where = [" and ".join([", ".join(of[:-1]), of[-1]] if of[:-1] else of) for of in each]
-    return tuple(f"in {of}: {note}" for of, note in zip(where, files, strict=True))
+    """Notes, each with the file that it is on, once for all files of which it is true but for its numbers.
+
+    count : of the recordings.
+    """
+    alike: dict[str, dict[str, str]] = {}
+    for file, note in dict.fromkeys(notes):
+        form = _NUMBER.sub("#", note)
+        while file in alike.get(form, {}):  # a second of one form is of its own
+            form += "#"
+        alike.setdefault(form, {})[file] = note
+    return tuple(_of_files(of, count) for of in alike.values())
+
+
+def _of_files(notes: dict[str, str], count: int) -> str:
+    """Notes that differ in their numbers alone, by file, as one: the least and the largest of each."""
+    names = ["each of the recordings"] if len(notes) == count > 1 else list(notes)
+    where = " and ".join([", ".join(names[:-1]), names[-1]] if names[:-1] else names)
+    said = list(notes.values())
+    numbers = [sorted(each, key=float) for each in zip(*map(_NUMBER.findall, said), strict=True)]
+    ends = iter([" to ".join(dict.fromkeys((each[0], each[-1]))) for each in numbers])
+    return f"in {where}: {_NUMBER.sub(lambda _: next(ends), said[0])}"
 
 
 def in_common(recordings: Sequence[Recording]) -> list[str]:

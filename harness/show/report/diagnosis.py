@@ -66,6 +66,7 @@ def diagnosis_page(
     sections = [
         b.verdict(result.statement, gained(result), heading="Verdict"),
         *([] if robot is None else joint_beside(result, robot)),
+        *([b.Section("Friction by speed", seen.over_time())] if recording.steady else []),
         seen.residual_section(),
         *([law_section(result)] if result.laws else []),
         *([nameless(result)] if result.tables or result.surface else []),
@@ -161,7 +162,7 @@ def _details(result: DiagnosisResult, seen: Curves) -> list[b.Block]:
     """What is looked at on demand."""
     told, found = result.attribution, list[b.Block]()
     parts = [
-        (seen.before_title, seen.over_time()),
+        *([] if seen.recording.steady else [("Recording against simulation", seen.over_time())]),
         *([("Damping over amplitude", damping_section(result.damping).blocks)] if result.damping is not None else []),
         *([("Every name of the catalogue, tried alone", evidence(result))] if result.evidence else []),
         *([("What the best model leaves", left(result))] if result.remainder is not None else []),
@@ -335,7 +336,8 @@ def _held_out(result: DiagnosisResult) -> b.Text:
     spans = ", ".join(f"{low:.4g} to {high:.4g} s" for low, high in held.spans_s[:_MOST_SPANS])
     more = f" and {len(held.spans_s) - _MOST_SPANS} more" if len(held.spans_s) > _MOST_SPANS else ""
     graded = any(one.holdout is not None for one in result.mechanisms)
-    what = "each of these blocks of cycles" if graded else "every second full period"
+    swings = result.motion is None or result.motion.kind in ("free-decay", "several-decays")
+    what = "each of these blocks of cycles" if graded else f"every second {'full period' if swings else 'window'}"
     caption = f"Held out: {what}, predicted by a fit to the rest ({spans}{more}). Terms were chosen on the whole."
     if held.given:
         caption += f" Given, not predicted: {', '.join(held.given)}."

@@ -159,7 +159,9 @@ class Curves:
         """Every channel as recorded and as both models have it."""
         t, own, figures = self.along, yours(self.simulated), []
         caption = "Shaded: where simulation and recording differ. Dotted: reversals of the better model."
-        if not shaded_spans(self.result):
+        if self.recording.steady:
+            caption = ""
+        elif not shaded_spans(self.result):
             caption = "Fits that look alike here differ below: what counts is the residual against the noise."
         for c in self.channels:
             label, unit, factor = self.words(c)
@@ -171,16 +173,12 @@ class Curves:
             figures.append(Figure(f"channel-{c}", traces, self.layout(label, unit), caption, GROUP, 320, self.times))
         return figures
 
-    @property
-    def before_title(self) -> str:
-        """What ``over_time`` draws."""
-        return "Table against model" if self.recording.steady else "Recording against simulation"
-
     def residual_section(self) -> Section:
         """What both models leave, with a bar of zooms."""
         if self.recording.steady:
             return Section("Residual by speed", self.residuals())
-        bar: list[Block] = [zoom(self.times.tolist(), self.recording.duration)]
+        ends = self.result.motion is not None and self.result.motion.kind == "run-down"
+        bar: list[Block] = [zoom(self.times.tolist(), self.recording.duration, "the stop" if ends else "a reversal")]
         return Section("Residual, before and after" if len(self.models) > 1 else "Residual", [*bar, *self.residuals()])
 
     def residuals(self) -> list[Figure]:
