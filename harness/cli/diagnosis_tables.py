@@ -129,7 +129,8 @@ def _robot(found: "RobotResult") -> None:
             (m.joint, m.by or "-", figure(m.correlation, ".3g"), figure(m.slope, ".3g"), m.suspicion or "-")
             for m in found.match
         ]
-        show_rows(heads, rows, heads, "logged on modelled torque")
+        most = len(heads) if any(m.suspicion for m in found.match) else len(heads) - 1
+        show_rows(heads[:most], [row[:most] for row in rows], heads, "logged on modelled torque")
     if found.reduction is not None:
         say(f"- {found.reduction.said}")
     own = [
@@ -175,7 +176,8 @@ def _simulated(simulated: list["SimulatedResult"]) -> None:
         show_rows(("engine", "as your file has it", "as pasted"), rows)
         return
     windows = next((f", windows of {one.window_s:g} s" for one in simulated if one.window_s), "")
-    say(f"your model driven by the torque of the log, rms of simulation minus log{windows}:")
+    units = "rad and rad/s, of a slide m and m/s"
+    say(f"your model driven by the torque of the log, rms of simulation minus log ({units}){windows}:")
     say_all(f"{_who(one)}: {one.error}" for one in simulated if one.error is not None)
     rows = [
         (_who(one), *(f"{side[c]:.3g}" for c in ("x", "v") for side in (one.before, one.after)))
@@ -237,6 +239,7 @@ def _fits(result: "DiagnosisResult") -> None:
     rows += [(f"rmse {c}", *(f"{fit.rmse[c]:.4g} {units[c]}" for fit in fits)) for c in result.baseline.rmse]
     for name in dict.fromkeys(name for fit in fits for name in fit.parameters):
         rows.append((name, *(with_error(f.parameters.get(name)) for f in fits)))
+    rows = [row for row in rows if set(row[1:]) != {"-"}]  # why a number was refused stands on the page
     show_rows(("", "viscous and Coulomb", "refined")[: len(fits) + 1], rows)
 
 
@@ -321,7 +324,9 @@ def _fleet(fleet: "FleetResult") -> None:
     for row in fleet.rows:
         same = "differs" if row.differs else f"{row.chance:.2g}"
         between = f"{row.between / abs(row.mean.value):.1%}" if row.mean.value else "-"
-        at = "" if row.speed is None else f", {row.speed:.2g}"
-        rows.append((f"{row.joint} {row.parameter}{at}", *map(with_error, row.values), between, same))
+        unit = row.mean.unit
+        at = "" if row.speed is None else f"\nat {row.speed:.2g} {'rad' if 'N m' in unit else 'm'}/s"
+        values = (with_error(one, unit) for one in row.values)
+        rows.append((f"{row.joint} {row.parameter}{at}\n{unit}", *values, between, same))
     show_rows(("joint", *(Path(log.file).name for log in fleet.logs), "between", "the same?"), rows)
     say_all(fleet.statements)

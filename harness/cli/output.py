@@ -186,7 +186,7 @@ def with_error(number: "P | None", said: str = "") -> str:
         return "-"
     unit = "" if number.unit in ("1", said) else f" {number.unit}"
     if not number.stderr:
-        return f"{number.value:.6g}{unit}"
+        return f"{number.value:.4g}{unit}"
     if number.stderr >= _LARGE:
         return str(Quantity(number.value, number.stderr, unit.strip() or "1"))
     decimals = min(max(1 - math.floor(math.log10(number.stderr)), 0), 12)

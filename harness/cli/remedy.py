@@ -77,8 +77,10 @@ def _with_near(words: Sequence[str], name: str) -> list[str]:
 
 
 def _likeness(part: str, name: str) -> float:
-    """From 0 to 1; of a folder and a file in it 1."""
-    return 1.0 if name.startswith(f"{part.rstrip('/')}/") else SequenceMatcher(None, part.lower(), name).ratio()
+    """From 0 to 1; of a folder and a file in it 1. That both are options makes them no more alike."""
+    if name.startswith(f"{part.rstrip('/')}/"):
+        return 1.0
+    return SequenceMatcher(None, part.lower().lstrip("-"), name.lstrip("-")).ratio()
 
 
 def _split(word: str, name: str) -> list[str]:

@@ -28,6 +28,7 @@ _ANGLES = 72
 _ALONE = "a joint that moves by itself"
 _ALIKE = 0.01
 """Share of inertia, and of gravity's torque, to which a joint that moves others by ratios is a pendulum."""
+_NONE = 1e-12
 _UPRIGHT = 1e-4
 """Sine of the tilt of an axis below which it counts as along gravity; a right angle written 1.5708 is 4e-6 off."""
 
@@ -68,7 +69,8 @@ class Reduced:
     @property
     def q_eq(self) -> float:
         """Angle in (-pi, pi], rad, where gravity leaves the joint at rest and brings it back: G sin(q - q_eq)."""
-        return math.atan2(-self.b, self.a)
+        # what sums of cosines leave of a zero is none
+        return math.atan2(0.0 if abs(self.b) < _NONE * abs(self.a) else -self.b, self.a)
 
     def load(self, q: FloatArray) -> FloatArray:
         """Torque or force (n,) of gravity and of the spring, on the left of the equation."""

@@ -20,7 +20,7 @@ from harness.results.common import P
         (P(value=10.7596, stderr=0.0212, unit="rad/s"), "10.760 +- 0.021 rad/s"),
         (P(value=0.05, stderr=3.2e-7, unit="1"), "0.05000000 +- 0.00000032"),
         (P(value=231.4, stderr=14.0, unit="m"), "231 +- 14 m"),
-        (P(value=1.5, stderr=0.0, unit="m"), "1.5 m"),
+        (P(value=1.548529, stderr=0.0, unit="m"), "1.549 m"),
         (P(value=1.5, stderr=None, unit="m", why="one reversal"), "1.5 m"),
         (P(value=None, stderr=None, unit="m", why="no reversal"), "-"),
     ],

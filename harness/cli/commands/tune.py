@@ -65,11 +65,19 @@ def command(
     return 0 if all(one.met for one in result.goals) else 1
 
 
+_ROUNDING = 1e-12
+"""A share below which only rounding is left."""
+
+
+def _percent(share: float | None) -> str:
+    return figure(0.0 if share is not None and abs(share) < _ROUNDING else share, ".3g", " %", 100.0)
+
+
 def _print(result: "TuneResult") -> None:
     what = result.route if result.robot is None else result.robot.joint
     say(f"{result.engine} {result.version}, {what}, step {result.dt_s * 1e3:g} ms: distance from exact")
     before = "as shipped" if result.robot is None else "as the file has it"
-    rows = [(one.name, *(figure(y, ".3g", " %", 100.0) for y in (one.before, one.after))) for one in result.figures]
+    rows = [(one.name, *(_percent(y) for y in (one.before, one.after))) for one in result.figures]
     show_rows(("figure", before, "found"), rows)
     say_as_it_is(result.paste)
     if result.rivals:

@@ -191,6 +191,8 @@ class Curves:
                 y = self.residual(model, c)[self.free] * factor
                 traces.append(curve(said, self.along[self.free], y, color, unit, 1.2))
             caption, band = left_by("simulation", self.result.recording.noise.get(c), unit, factor)
+            if c != "u" and "u" in self.result.recording.noise:
+                caption += " The force was fitted, not this: the noise of the force adds up in each window."
             layout = self.layout(f"residual of {c}", unit, band)
             figures.append(Figure(f"residual-{c}", traces, layout, caption, GROUP, 260, self.times))
         return figures

@@ -169,6 +169,7 @@ def _torque(joint: str, left: Left, unit: str) -> b.Section:
     figures, place = list[b.Figure](), moved_in(unit)
     rows = left.get(joint, np.empty((0, 5)))
     rows = rows[:: max(1, -(-rows.shape[0] // _POINTS))]
+    alike = np.array_equal(rows[:, 3], rows[:, 4])  # no term was found
     caption = "Guarded samples: the torque minus the rigid model, Coulomb and viscous friction and an offset."
     for name, at, along, said in (("speed", 2, f"{place}/s", caption), ("position", 1, place, "")):
         traces = [
@@ -180,7 +181,7 @@ def _torque(joint: str, left: Left, unit: str) -> b.Section:
                 "%{y:.4g}<br>%{x:.4g}",
                 **_STILL,
             )
-            for of, column, color in ((BEFORE_NAME, 3, BEFORE), (AFTER_NAME, 4, AFTER))
+            for of, column, color in ((BEFORE_NAME, 3, BEFORE), (AFTER_NAME, 4, AFTER))[: 1 if alike else 2]
         ]
         layout = axes(f"{name} / {per(along)}", f"residual torque / ({unit})", showlegend=True)
         figures.append(b.Figure(f"left-{name}", traces, layout, said))
@@ -253,8 +254,11 @@ def _matches(match: Sequence[MatchResult]) -> b.Section:
         b.Column("correlation", lambda one: _or_none(one.correlation), "", "of logged and modelled torque"),
         b.Column("slope", lambda one: _or_none(one.slope), "", "logged over modelled torque"),
         b.Column("offset", lambda one: number(one.offset, 3)),
-        b.Column("what looks wrong", lambda one: b.Cell(one.suspicion or "-", (one.option,) if one.option else ())),
     ]
+    if any(one.suspicion for one in match):
+        columns.append(
+            b.Column("what looks wrong", lambda one: b.Cell(one.suspicion or "-", (one.option,) if one.option else ()))
+        )
     tables = [b.tabulated("joint", columns, match, lambda one: one.joint)] if match else []
     return b.Section("The log against its model", tables)
 
