@@ -205,6 +205,10 @@ class Problem(ABC):
         """Chi-square that may be left beyond what whitening allows for: by noise of a force beyond first order."""
         return 0.0 if self.force_noise is None else self.force_noise.beyond
 
+    def holds(self, model: Model) -> float | None:
+        """Force, N, that it withstands at rest, where that is decidedly more than a model's friction; None else."""
+        return None
+
     @property
     def choices(self) -> tuple[str, ...]:
         """What was chosen before the search and belongs beside the verdict, one sentence each."""

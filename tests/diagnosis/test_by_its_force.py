@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import harness
 from harness import stages
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
@@ -16,6 +18,7 @@ from harness.diagnosis.inverse_dynamics.prepare import with_unseen_mass
 from harness.diagnosis.inverse_dynamics.search import by_the_force
 from harness.diagnosis.kinds import driven
 from harness.diagnosis.pipeline import diagnose, prepare
+from harness.diagnosis.prepare.driven import forced_problem
 from harness.diagnosis.prepare.held import spring_beside
 from harness.diagnosis.problems.driven import Driven
 from harness.diagnosis.problems.inverse import InverseDynamics
@@ -162,3 +165,31 @@ def test_the_user_is_told_what_has_it(angular: bool, unit: str) -> None:
     assert found is not None, sentence
     # the state is smoothed from x alone
     assert [float(n) for n in found.groups()] == pytest.approx([60.0, 100.0], rel=0.01)
+
+
+@pytest.mark.parametrize("f_s", [None, 3.6])
+def test_what_holds_a_slider_at_rest_is_seen_beside_the_force_of_its_sliding(f_s: float | None, tmp_path: Path) -> None:
+    """A slider without a spring that stands at each end: 3.6 N hold it where 1.5 N brake it."""
+    t: FloatArray = 0.004 * np.arange(3000.0)
+    u: FloatArray = 4.0 * np.sin(1.1 * t + 0.3) + 2.0 * np.sin(2.3 * t + 1.1)
+    model = Model(2.0, 3.0, 0.0, 1.5, f_s, restoring=Restoring.NONE, mass_known=True)
+    x = solve(model, t, drive=Drive(t, u)).x + 1e-5 * np.random.default_rng(3).standard_normal(t.size)
+    problem, _ = forced_problem(Recording(t, {"x": x, "u": u}, "slider"), Asked(Restoring.NONE))
+    level = problem.levelled(np.full(10, 0.01), 10.0)
+    held = level.holds(model if f_s is None else replace(model, f_s=None))
+    if f_s is None:
+        assert held is None
+        return
+    # two blocks before it breaks away, while the force grows
+    assert held is not None
+    assert f_s - 2.0 * 0.04 * float(np.max(np.gradient(u, t))) < held <= f_s
+    path = tmp_path / "slider.csv"
+    np.savetxt(path, np.column_stack([t, x, u]), delimiter=",", header="t [s],x [m],u [N]", comments="")
+    found = harness.diagnose(path, restoring="none", engines=())
+    (named,) = found.mechanisms
+    assert named.name == "static-friction"
+    told = named.parameters["f_s"]
+    assert told.stderr is not None
+    # how the force bends between two samples is not recorded
+    bent = float(np.max(np.abs(np.gradient(np.gradient(u, t), t)))) * 0.004**2 / 8.0
+    assert abs(told.value - f_s) < bent + 2.0 * told.stderr

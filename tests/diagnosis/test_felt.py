@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.core.arrays import FloatArray
-from harness.diagnosis.prepare.felt import Felt, felt
+from harness.diagnosis.prepare.felt import Felt, felt, unheard
 from harness.diagnosis.prepare.intersample import held
 from harness.diagnosis.smoothed_state.state import Course
 from harness.estimate.noise import Noise
@@ -53,3 +53,19 @@ def test_too_few_samples_between_reversals_tell_nothing() -> None:
     own = Noise(1e-6, True)
     course = Course.of(t, {"x": x}, {"x": own})
     assert felt(t, x, own, course, PLAIN, [held(t, x)]) is None
+
+
+@pytest.mark.parametrize("sensor", [0.0, 0.02, 0.3])
+def test_scatter_that_echoes_the_encoder_is_no_sensor_s(sensor: float) -> None:
+    """A command of gain 4e4 N/m and 300 N s/m upon counts of 1e-5 m, read with a sensor's noise of its own, N."""
+    random, dt = np.random.default_rng(7), T[1] - T[0]
+    moved = 0.05 * np.sin(2.1 * T) + 0.03 * np.sin(5.3 * T + 1.0)
+    seen = 1e-5 * np.round((moved + 2e-6 * random.standard_normal(T.size)) / 1e-5)
+    off = 0.05 * np.sin(2.1 * T + 0.02) + 0.03 * np.sin(5.3 * T + 1.02) - seen
+    u = 4e4 * off + 300.0 * np.gradient(off, dt) + sensor * random.standard_normal(T.size)
+    found = unheard(T, u, seen, Course.of(T, {"x": seen}, {"x": Noise(4e-6, True)}))
+    assert found is not None
+    if sensor:
+        assert found == pytest.approx(sensor, rel=0.25)
+    else:
+        assert found < 1e-3

@@ -52,7 +52,7 @@ def sentence_of(outcome: Outcome, has: Sequence[str] = (), units: str = "") -> s
     mechanisms = outcome.mechanisms
     match outcome.verdict:
         case "adequate":
-            return _enough(outcome.problem, it, its)
+            return _enough(outcome, it, its)
         case "missing_physics" if len(mechanisms) == 1 and MOST_LIKELY in outcome.rules:
             return f"{_most_likely(outcome, f'explains {it} to {its} noise', has)}. {mechanisms[0].statement}"
         case "missing_physics":
@@ -78,6 +78,11 @@ def _untold(outcome: Outcome, words: Sequence[str], share: str, units: str) -> s
         return f"{most} The largest contribution is {words[0]} ({share} of the misfit)."
     if outcome.remainder is not None:
         return f"{most}{_residual(outcome)}"
+    held = outcome.problem.holds(outcome.base.model)
+    if held is not None:
+        f_k, force = outcome.base.model.f_k, f"{held:.3g} {unit_of('N', outcome.problem)}"
+        slides = "viscous and Coulomb friction explain how it slides"
+        return f"{slides}, but at rest {force} do not move it, {held / f_k:.2g} times f_k."
     # nothing was graded by its share: what comes near is all that is known
     it, its = _recorded(outcome)
     best = max(outcome.evidence, key=lambda tried: tried.delta_bic, default=None)
@@ -93,9 +98,13 @@ def _recorded(outcome: Outcome) -> tuple[str, str]:
     return f"these recordings{differ and f', which differ in {differ},'}", "their"
 
 
-def _enough(problem: Problem, it: str, its: str) -> str:
-    """That nothing is missing, as far as the recording was looked at."""
-    explain = f"viscous and Coulomb friction explain {it} to {its} noise"
+def _enough(outcome: Outcome, it: str, its: str) -> str:
+    """That nothing is missing, as far as the recording was looked at, or which law is likelier and not decided for."""
+    explain, problem = f"viscous and Coulomb friction explain {it} to {its} noise", outcome.problem
+    first = max(outcome.posterior, key=lambda one: one.probability, default=None)
+    if first is not None and first.names:
+        likelier = f"{' with '.join(map(_plain, first.names))} may be missing (P {min(first.probability, _SURE):.2f})"
+        return f"No missing physics is shown: {explain}. {_capital(likelier)}, which this evidence does not decide."
     if problem.looked_at is None:
         return f"No missing physics: {explain}."
     speed, share = problem.looked_at
@@ -236,6 +245,12 @@ def cautions(found: Search, judgement: Judgement, prediction: Holdout) -> tuple[
             " an effect outside the catalogue is as likely, and none is reported; standard errors are inflated"
             " accordingly",
         )
+    if (
+        judgement.verdict == "unexplained"
+        and found.left is Left.NOISE
+        and found.problem.holds(chosen.model) is not None
+    ):
+        return ("friction at rest larger than sliding is static friction's, or Stribeck's, or a bristle's",)
     said = []
     if judgement.verdict == "unexplained":
         why = "no model fits down to the noise" if found.doubted is None else _followed(found.doubted)

@@ -7,13 +7,14 @@ that were held a smooth curve of no name is as likely as any name.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from harness.diagnosis.baseline.words import evidence, strokes_of, words_beside
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.grading.contest import Contest
 from harness.diagnosis.outcome import Hypothesis
 from harness.diagnosis.residual_tests.free_curve import UNNAMED, evidence_of_curve
+from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import NAMES
 from harness.diagnosis.search.against import against
 from harness.diagnosis.search.extend import key_of
@@ -33,14 +34,18 @@ def of_search(found: Search) -> tuple[Hypothesis, ...]:
     """Which model explains what was recorded, of those that were fitted, most likely first.
 
     Of a fitted force no evidence counts beyond that of the model the search came to: what has more was refused, since
-    chance takes as much off a true model, or since it moves otherwise.
+    chance takes as much off a true model, or since it moves otherwise. Beside noise of a force each law has to take off
+    what such noise may leave, before it counts. None where a model of sliding is found and what holds at rest is not.
     """
+    if found.left is Left.NOISE and found.problem.holds(found.chosen.model) is not None:
+        return ()
     gain = _gain(found)
     best: dict[tuple[str, ...], float] = {(): gain(found.base)}
     ceiling = gain(found.chosen) if found.by_force else math.inf
-    for one in (*found.singles, *found.rivals, found.chosen):
-        names = key_of(one)
-        own = min(gain(one), ceiling) - 2.0 * len(names) * math.log(NAMES)
+    fitted = [(key_of(one), min(gain(one), ceiling)) for one in (*found.singles, *found.rivals, found.chosen)]
+    chance = _by_chance([(0, best[()]), *((len(names), size) for names, size in fitted)], found.problem.spare)
+    for names, size in fitted:
+        own = size - 2.0 * len(names) * math.log(NAMES) - chance[len(names)]
         best[names] = max(best.get(names, -math.inf), own)
     if not found.problem.moves:
         for one in (found.base, *found.singles):
@@ -57,6 +62,20 @@ def of_search(found: Search) -> tuple[Hypothesis, ...]:
 def probability(of: tuple[Hypothesis, ...], name: str) -> float:
     """That a name is among what is missing, at most 1."""
     return min(sum(one.probability for one in of if name in one.names), 1.0)
+
+
+def _by_chance(fitted: Sequence[tuple[int, float]], spare: float) -> list[float]:
+    """What noise of a force alone may have given models of no, one, .. laws: ``spare`` a law, and no more than is seen.
+
+    fitted : laws and evidence of each model.
+    """
+    given = [0.0]
+    most = max(size for count, size in fitted if count == 0)
+    for count in range(1, max(count for count, _ in fitted) + 1):
+        more = max((size for laws, size in fitted if laws == count), default=most)
+        given.append(given[-1] + min(spare, max(more - most, 0.0)))
+        most = max(most, more)
+    return given
 
 
 def _gain(found: Search) -> Callable[[Fit], float]:

@@ -16,9 +16,9 @@ from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.standard_errors import unit_of
 from harness.diagnosis.input_noise.propagation import between, force_noise, left_of, unlikely
 from harness.diagnosis.parameters import free_of
-from harness.diagnosis.prepare.felt import Felt, felt
+from harness.diagnosis.prepare.felt import Felt, felt, unheard
 from harness.diagnosis.prepare.held import held_driven, spring_beside
-from harness.diagnosis.prepare.intersample import ACTS_HELD, acting, between_samples, held
+from harness.diagnosis.prepare.intersample import ACTS_HELD, Acting, acting, between_samples, breaks_away, held
 from harness.diagnosis.problems.driven import Driven, Forced
 from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.problems.simulated import COARSE, observe
@@ -156,7 +156,7 @@ def _followed(problem: Driven, course: Course, u: FloatArray, asked: Asked) -> t
     problem = replace(problem, drive=force.drive, otherwise=force.otherwise)
     horizon = asked.horizon
     forced = None if force.follows else _instead(problem, course, horizon or HORIZON)
-    if forced is not None:
+    if forced is not None and not _breaks_away(problem, force, forced[0]):
         return forced[0], (forced[1], *hangs, *([ACTS_HELD] if force.held else []))
     if horizon is not None:
         problem = replace(problem, starts=course.anew(horizon))
@@ -187,7 +187,11 @@ def _felt_of(problem: Driven, course: Course, u: FloatArray) -> Felt | None:
     """What a position, if that is recorded, has felt of the force u (n,), N, as its motion between reversals tells."""
     if "x" not in problem.channels:
         return None
-    return felt(problem.t, problem.channels["x"], problem.noise["x"], course, problem.first, _ways(problem, u))
+    t, x = problem.t, problem.channels["x"]
+    told, most = felt(t, x, problem.noise["x"], course, problem.first, _ways(problem, u)), unheard(t, u, x, course)
+    if most is None:
+        return told
+    return Felt(most, None) if told is None else replace(told, level=min(told.level, most))
 
 
 def _unfelt(noise: Noise, told: Felt | None) -> Noise:
@@ -213,6 +217,12 @@ def _instead(problem: Driven, course: Course, horizon: float) -> tuple[InverseDy
         forced.measured  # noqa: B018
         return forced, f"driven: {how} restarted from the smoothed recorded state"
     return None
+
+
+def _breaks_away(problem: Driven, force: Acting, forced: InverseDynamics) -> bool:
+    """Whether it is followed where what it withstands at rest, which is more than its sliding friction, holds it."""
+    f_s = float(np.max(np.abs(forced.measured.held(problem.first)), initial=0.0))
+    return f_s > problem.first.f_k and breaks_away(problem, force, f_s)
 
 
 def _quiet(problem: Driven, u: FloatArray, noise: Noise, longest: float) -> FloatArray:

@@ -4,8 +4,12 @@ Over a window between two reversals what acts beside the force, damping and what
 their double integral, and that shows whether the force's scatter was felt (a controller's command, which its encoder
 stirs) or is a sensor's noise: a component of variance, by restricted likelihood (Patterson and Thompson 1971). A law
 that is missing bends long windows and can only make the noise seem larger; so the window that bounds it lowest tells.
+
+A controller's command moreover is made of what its encoder has shown, and a sensor's noise is not: what the last
+readings leave of the scatter bounds that noise, however coarse the encoder.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -39,6 +43,14 @@ _SHARES = np.concatenate(([0.0], 2.0 ** np.arange(-26.0, 40.0, 0.25)))
 """What noise of the force adds to a position within a window over the position's own, as variances."""
 
 
+_ECHOED = 24
+"""Samples of a window in which a force is held against the readings before it."""
+_READINGS = range(-1, 8)
+"""Samples by which these lie before it. One lies after it, as a command that is logged late has seen it."""
+_MOST_OF = 0.75
+"""Share of the windows that leave no more than what is taken for noise: where a loop turns or clips is none of it."""
+
+
 @dataclass(frozen=True, slots=True)
 class Felt:
     """level : standard deviation of the force's noise, N, the largest that is not decidedly less likely. way : in which
@@ -66,6 +78,26 @@ def felt(t: FloatArray, q: FloatArray, own: Noise, course: Course, base: Model, 
             sure = len(ways) == 1 or unlikely[order[1]] - unlikely[best] > DECISIVE.value
             found = Felt(level[best], best if sure else None)
     return found
+
+
+def unheard(t: FloatArray, u: FloatArray, q: FloatArray, course: Course) -> float | None:
+    """Standard deviation, N, of what a force u (n,) at t (n,), s, has beside what its position q (n,) has shown.
+
+    Of what is not smooth within a window, as a sum of the readings near by. None where there are too few samples
+    between reversals.
+    """
+    at = _windows(t, course, _ECHOED)
+    at = at[(at[:, 0] >= _READINGS[-1]) & (at[:, -1] < t.size + _READINGS[0])] if len(at) else at
+    if len(at) < _FEWEST:
+        return None
+    full, _ = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, _ECHOED), _DEGREE + 1), mode="complete")
+    rest = full[:, _DEGREE + 1 :]
+    told = np.stack([(q[at - back] @ rest).ravel() for back in _READINGS], axis=1)
+    scatter = u[at] @ rest
+    size = np.maximum(np.linalg.norm(told, axis=0), _NOTHING)
+    told = told / size @ np.linalg.lstsq(told / size, scatter.ravel(), rcond=_RANK)[0]
+    left = np.mean((scatter - told.reshape(scatter.shape)) ** 2, axis=1)
+    return math.sqrt(float(np.quantile(left, _MOST_OF)))
 
 
 def _windows(t: FloatArray, course: Course, width: int) -> IntArray:

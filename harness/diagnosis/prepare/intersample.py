@@ -26,7 +26,8 @@ from harness.diagnosis.problems.simulated import COARSE, observe
 from harness.diagnosis.rules import FORCE_HELD
 from harness.diagnosis.starts import Windows
 from harness.kernels.solve import Drive
-from harness.model.model import Model
+from harness.model.model import Model, ModelTerm
+from harness.model.terms.static_friction import TERM as STATIC_FRICTION
 
 ACTS_HELD = "the force acts as a sampled controller's, held from each sample to the next"
 _ITERATIONS = 8
@@ -92,6 +93,19 @@ def acting(problem: Driven, u: FloatArray, told: Drive | None = None) -> Acting:
     others = tuple(way for way in (problem.drive, *(way for _, way in fits)) if way is not drive)
     follows = nearest.chi2 < _STRAYS**2 * nearest.points
     return Acting(drive, others, drive.held, follows, nearest.model, nearest.chi2)
+
+
+def breaks_away(problem: Driven, force: Acting, f_s: float) -> bool:
+    """Whether the recording is followed by a model that f_s, N, holds where it stands, and not its sliding friction.
+
+    One without that moves at another time, and strays whatever it says of how the slider slides.
+    """
+    model = replace(problem.first, terms=(ModelTerm(STATIC_FRICTION, (f_s,)),))
+    seen, scales = replace(problem.part(slice(0, _SAMPLES)), drive=force.drive), driven_scales(problem, model)
+    with suppress(SimulationError):
+        found = fit(model, seen, free_of(model, problem.base_names), scales, effort=COARSE, thorough=False)
+        return found.chi2 < _STRAYS**2 * found.points
+    return False
 
 
 def _seen(lines: Drive, usual: Fit, problem: Driven) -> bool:

@@ -23,6 +23,8 @@ from harness.estimate.noise import Noise
 from harness.kernels.solve import By, Effort, Scales
 from harness.model.model import Model
 
+_HELD = 6.0
+"""Times what a model leaves of the force by which more than its friction holds a slider that stands."""
 _SETTLED = 1e-9
 """Share of the sum of squares below which a step is the last."""
 
@@ -92,6 +94,14 @@ class InverseDynamics(Forced):
         blocks[seen.moving] = residual * math.sqrt(residual.size / self.points)
         out[: seen.t.size] = np.repeat(blocks, seen.t.size // blocks.size)
         return {"u": out}
+
+    def holds(self, model: Model) -> float | None:
+        """See Problem. What is fitted is the sliding alone, which says nothing of where it stands."""
+        if self.guarded:
+            return None
+        most = float(np.max(np.abs(self.measured.held(model)), initial=0.0))
+        friction = model.f_k if model.f_s is None else model.f_s
+        return most if most > friction + _HELD * self.noise["u"].sigma else None
 
     @property
     def simulated(self) -> bool:

@@ -44,7 +44,7 @@ class Measured:
     far enough from the ends of a stretch to be smoothed as the others are.
 
     laid : of several recordings one behind the other, each with its own clock. level : (n / block,), by which what is
-    left of each is weighed.
+    left of each is weighed. stands : (n / block,), blocks in which it is at rest throughout.
     """
 
     t: FloatArray
@@ -56,6 +56,7 @@ class Measured:
     covariates: Mapping[str, FloatArray] = field(default_factory=dict)
     laid: tuple["Laid", ...] = ()
     level: FloatArray | None = None
+    stands: BoolArray | None = None
 
     @classmethod
     def of(cls, problem: Forced, slow: float = GUARD_SPEED.value) -> "Measured":
@@ -85,6 +86,7 @@ class Measured:
         u = smoothed_alike(t, problem.drive.felt(t), longest, half)
         v_sd = smooth["v"].value_sd if "v" in smooth else smooth["x"].slope_sd
         at_rest = np.abs(v) <= _AT_REST * v_sd
+        stands = np.all((at_rest & inner(t, longest, half))[:kept].reshape(-1, BLOCK), axis=1)
         if problem.guarded:
             # within the reach of a cubic and a difference friction turns round; where a servo sticks it has any value
             at_rest |= np.abs(v) <= slow * math.sqrt(float(np.mean(v**2)))
@@ -99,7 +101,7 @@ class Measured:
         if np.count_nonzero(moving) < BLOCK:
             raise SimulationError("the slider hardly moves")
         given = {name: smoothed_alike(t, y, longest, half)[:kept] for name, y in problem.covariates.items()}
-        return cls(t[:kept], x[:kept], v[:kept], a[:kept], u[:kept], moving, given)
+        return cls(t[:kept], x[:kept], v[:kept], a[:kept], u[:kept], moving, given, stands=stands)
 
     @classmethod
     def of_several(cls, each: Sequence["Measured"], problem: Forced) -> "Measured":
@@ -172,6 +174,14 @@ class Measured:
         return np.concatenate(
             [inverse_force(here, o.t, o.x, o.v, o.a) for here, o in zip(models, self.each, strict=True)]
         )
+
+    def held(self, model: Model) -> FloatArray:
+        """Force (b,), N, that holds it against a model without friction in each block in which it stands."""
+        if self.stands is None or self.laid:
+            return np.empty(0)
+        still, free = np.zeros_like(self.v), replace(model, f_k=0.0, f_s=None)
+        left = self.u - given_force(free, self.t, self.x, still, still, self.covariates)
+        return np.asarray(np.mean(left.reshape(-1, BLOCK), axis=1)[self.stands])
 
     def part(self, keep: BoolArray) -> "Measured":
         """With only these blocks (n / block,) counting."""
