@@ -157,7 +157,8 @@ def _shapes(filtered: Filtered, joint: int, turns: FloatArray, rigid: FloatArray
     # within one step of the encoder a reversal has no speed of its own, and within one sample no shape
     least = max(2.0 * math.sqrt(2.0 * turning * quantum), 3.0 * turning / filtered.fine.rate)
     fastest = max(float(np.quantile(np.abs(v), 0.15)), 2.0 * least)
-    yield fall_with_speed(STATIC, filtered, joint, np.geomspace(least, fastest, _LENGTHS))
+    speeds = np.geomspace(least, fastest, _LENGTHS)
+    yield fall_with_speed(STATIC, filtered, joint, speeds, (least, float(np.max(np.abs(v)))))
     load, marks = np.interp(filtered.t_fine, filtered.t, rigid), np.zeros(q.size, dtype=np.int64)
     # the sample of the last reversal before each, the first one before any
     places = np.round(turns).astype(np.int64)
