@@ -38,6 +38,9 @@ _NOISE = {"x": 0, "v": 0, "a": 1, "u": 2}
 _FAST = 1
 """Place of the noise of a joint's speed, which is logged beside its position."""
 _SMALL = 1e-6
+_COMMANDED = 1e-4
+"""Of its rms, what an amplifier adds to a force that is logged as it was asked for: none gives it better, and without
+it an effect of a hundred thousandth of the friction would show."""
 WINDOWS = 12
 """In which the motion of an axis is followed, each from a start of its own."""
 
@@ -287,7 +290,7 @@ def _with_sensors(rig: Rig, rng: Rng) -> Rig:
     encoder = rig.path == AXIS or ("x" in rig.channels and rng.random() < 0.3)
     count = (rig.numbers[0] if rig.path == AXIS else far * coarse * 3.0) if encoder else 0.0
     noisy = rig.driven and (not rig.held or rng.random() < 0.3)
-    force = float(np.std(run[:, 3])) * _between(rng, 3e-4, 2e-2) if noisy else 0.0
+    force = float(np.std(run[:, 3])) * (_between(rng, 3e-4, 2e-2) if noisy else rig.driven * _COMMANDED)
     sigma = (count / math.sqrt(12.0) if encoder else far * coarse, hard * _between(rng, 2e-3, 2e-2), force)
     colour = float(rng.uniform(0.2, 0.7)) if not encoder and rng.random() < 0.25 else 0.0
     moved = rig.path != SPRING and "x" in rig.channels and rng.random() < 0.5
