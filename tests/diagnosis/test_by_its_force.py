@@ -189,6 +189,7 @@ def test_what_holds_a_slider_at_rest_is_seen_beside_the_force_of_its_sliding(f_s
     (named,) = found.mechanisms
     assert named.name == "static-friction"
     told = named.parameters["f_s"]
+    assert told.value is not None
     assert told.stderr is not None
     # how the force bends between two samples is not recorded
     bent = float(np.max(np.abs(np.gradient(np.gradient(u, t), t)))) * 0.004**2 / 8.0
