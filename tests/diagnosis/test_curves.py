@@ -138,6 +138,26 @@ def test_stribeck_is_one_name_with_its_form_found(
     assert found.parameters[shape].value == pytest.approx(at, abs=4.0 * (found.parameters[shape].stderr or 0.0))
 
 
+@pytest.mark.parametrize("exponent", [0.5, 1.0, 2.0])
+def test_the_form_of_a_law_is_found_beside_an_offset_of_the_force(exponent: float) -> None:
+    falls = 0.6 * np.exp(-((SPEEDS / 0.3) ** exponent))
+    found = harness.diagnose(both(1.0 + 0.4 * SPEEDS + falls, push=0.1), engines=())
+    told = {m.name: m.parameters for m in found.mechanisms}
+    assert told.keys() == {"stribeck", "constant-force"}
+    offset = told["constant-force"]["force"]
+    assert offset.value is not None
+    assert offset.stderr is not None
+    # what pushes against the resistance
+    assert abs(offset.value + 0.1) < 3.0 * offset.stderr
+    form = told["stribeck"].get("exponent")
+    if form is not None:
+        assert form.value is not None
+        assert form.stderr is not None
+        assert abs(form.value - exponent) < 3.0 * form.stderr
+    else:
+        assert exponent == 2.0
+
+
 @pytest.mark.parametrize(
     ("saturates", "roundness"), [(np.tanh, 0.0), (lambda u: u / np.hypot(u, 1.0), 1.0)], ids=["tanh", "root"]
 )

@@ -8,6 +8,7 @@ The form of a law freed by one number, before a second name is looked for: one e
 
 import math
 from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import zip_longest
@@ -33,22 +34,20 @@ from harness.model.registry import NAMED, forms_of
 
 
 def freed(found: Fit, problem: Problem, scales: Scales) -> Fit | None:
-    """A model of one law with its form free, fitted from where that law ended; None where its form is its name."""
+    """A model with the form of one of its laws free, fitted from where it ended; None where no form is another."""
     best = min(_fitted(found, problem, scales), key=lambda f: f.bic, default=None)
     return None if best is None else settle(best, problem, scales)
 
 
 def _fitted(found: Fit, problem: Problem, scales: Scales) -> Iterator[Fit]:
-    (entry,) = found.model.terms
-    base = base_of(found.free)
-    for form in forms_of(entry.term.key):
-        assert form.freed is not None
-        for values in form.freed(entry.values, problem.duration, scales.v):
-            model = replace(found.model, terms=(ModelTerm(form, values),))
-            try:
-                yield fit(model, problem, free_of(model, base), scales, thorough=False)
-            except SimulationError:
-                continue
+    base, terms = base_of(found.free), found.model.terms
+    for i, entry in enumerate(terms):
+        for form in forms_of(entry.term.key):
+            assert form.freed is not None
+            for values in form.freed(entry.values, problem.duration, scales.v):
+                model = replace(found.model, terms=(*terms[:i], ModelTerm(form, values), *terms[i + 1 :]))
+                with suppress(SimulationError):
+                    yield fit(model, problem, free_of(model, base), scales, thorough=False)
 
 
 _BEAM = 4
@@ -216,6 +215,12 @@ def _search(problem: P, base: Fit, scales: Scales, renew: Renew[P], alone: Step)
         chosen, rivals = _simplest(found, under(chosen, problem), second, problem), found
         left = left_by(chosen, problem, scales.omega, base)
         beam = list(found[:2])
+    # beside a push, which is the same either way, the form of a law of friction is found as it is alone
+    pushed = any(entry.term.push is not None for entry in chosen.model.terms)
+    if left is Left.STRUCTURE and pushed and not problem.moves and len(chosen.model.terms) == 2:
+        free = freed(chosen, problem, scales)
+        if free is not None and free.bic < chosen.bic and left_by(free, problem, scales.omega, base) is Left.NOISE:
+            chosen, left, rivals = free, Left.NOISE, in_turn((free, *rivals), problem)
     pruned, without = prune(chosen, problem, scales)
     if len(pruned.model.terms) < len(chosen.model.terms):
         chosen = settle(pruned, problem, scales)
