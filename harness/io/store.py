@@ -32,6 +32,7 @@ class OutputFolder:
             self.work, self._mark = partial_folder(final)
         self.final, self._made = final, made
         self.committed = False
+        _OPEN.add(self)
 
     def __truediv__(self, name: str) -> Path:
         """The path under ``work`` to write a file to; its folder is made."""
@@ -51,7 +52,10 @@ class OutputFolder:
         self.committed = True
 
     def close(self) -> None:
-        """Without a commit, remove what was written and the folders that were made for it."""
+        """Without a commit, remove what was written and the folders that were made for it; nothing the second time."""
+        if self not in _OPEN:
+            return
+        _OPEN.discard(self)
         os.close(self._mark)
         if self.committed:
             return
@@ -59,6 +63,16 @@ class OutputFolder:
         for folder in self._made:
             with suppress(OSError):
                 folder.rmdir()
+
+
+_OPEN: set[OutputFolder] = set()
+"""Folders that this process fills."""
+
+
+def abandon() -> None:
+    """Remove what is half-written, as this process ends where none of its own code is heard any more."""
+    for folder in tuple(_OPEN):
+        folder.close()
 
 
 def _make(final: Path) -> tuple[Path, ...]:

@@ -139,10 +139,13 @@ def test_the_width_is_that_of_columns(
 # a mutex that is locked twice holds its thread where no signal is looked at, as a compiled loop does; a shell that
 # starts tests in the background has them ignore the first signal
 _DEAF = """
-import ctypes, signal, threading
+import ctypes, pathlib, signal, sys, threading
 from harness.cli import main
+from harness.io.store import output_folder
 signal.signal(signal.SIGINT, signal.default_int_handler)
 main.heed()
+written = output_folder("run", pathlib.Path(sys.argv[1]))
+(written.__enter__() / "part.csv").write_text("t,x")
 lock, mutex = ctypes.CDLL(None).pthread_mutex_lock, ctypes.create_string_buffer(64)
 threading.Timer(0.3, print, ("deaf",), {"flush": True}).start()
 lock(mutex)
@@ -151,10 +154,9 @@ lock(mutex)
 
 
 @pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM])
-def test_a_call_that_looks_up_at_nothing_is_ended(stop: signal.Signals) -> None:
-    with subprocess.Popen(
-        [sys.executable, "-c", _DEAF], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    ) as deaf:
+def test_a_call_that_looks_up_at_nothing_is_ended(stop: signal.Signals, tmp_path: Path) -> None:
+    line = [sys.executable, "-c", _DEAF, str(tmp_path / "out")]
+    with subprocess.Popen(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as deaf:
         try:
             assert deaf.stdout is not None
             assert deaf.stdout.readline() == "deaf\n"
@@ -163,3 +165,4 @@ def test_a_call_that_looks_up_at_nothing_is_ended(stop: signal.Signals) -> None:
         finally:
             deaf.kill()
     assert (deaf.returncode, err) == (130, "harness: interrupted; nothing was written\n")
+    assert not any(tmp_path.iterdir())
