@@ -218,9 +218,9 @@ def _search(problem: P, base: Fit, scales: Scales, renew: Renew[P], alone: Step)
     # beside a push, which is the same either way, the form of a law of friction is found as it is alone
     pushed = any(entry.term.push is not None for entry in chosen.model.terms)
     if left is Left.STRUCTURE and pushed and not problem.moves and len(chosen.model.terms) == 2:
-        free = freed(chosen, problem, scales)
-        if free is not None and free.bic < chosen.bic and left_by(free, problem, scales.omega, base) is Left.NOISE:
-            chosen, left, rivals = free, Left.NOISE, in_turn((free, *rivals), problem)
+        bent = freed(chosen, problem, scales)
+        if bent is not None and bent.bic < chosen.bic and left_by(bent, problem, scales.omega, base) is Left.NOISE:
+            chosen, left, rivals = bent, Left.NOISE, in_turn((bent, *rivals), problem)
     pruned, without = prune(chosen, problem, scales)
     if len(pruned.model.terms) < len(chosen.model.terms):
         chosen = settle(pruned, problem, scales)
