@@ -69,6 +69,26 @@ def test_a_wrong_parameter_is_the_one_to_change(recorded: Recording) -> None:
     assert found.changes[0].before == pytest.approx(1.3 * F / M, rel=2e-3)
 
 
+def test_positions_of_a_simulation_are_held_against_an_acceleration_alone() -> None:
+    """As of a phone on the slider; what the simulation lacks is the derivative of what it has."""
+    t = np.arange(0.0, 5.0, 4e-3)
+    a = free_decay(Decay.of(Slider(M, C, K, F), X0), t).a
+    recording = Recording(t, {"a": a + 1e-3 * np.std(a) * np.random.default_rng(3).normal(size=t.size)}, "phone.csv")
+    rows = simulated(f=1.3 * F)
+    found = shares(harness.diagnose(recording, sim=Recording(rows[:, 0], {"x": rows[:, 1]}, "sim.csv"), engines=()))
+    assert [change.name for change in found.changes] == ["f_k"]
+    assert found.changes[0].before == pytest.approx(1.3 * F / M, rel=1e-4)
+
+
+def test_a_simulation_of_few_digits_has_no_acceleration() -> None:
+    t = np.arange(0.0, 5.0, 4e-3)
+    a = free_decay(Decay.of(Slider(M, C, K, F), X0), t).a
+    rough = np.round(simulated()[:, 1], 3)
+    sim = Recording(simulated()[:, 0], {"x": rough}, "sim.csv")
+    with pytest.raises(InputError, match=r"sim.csv: channels x; expected one or more of a"):
+        harness.diagnose(Recording(t, {"a": a}, "phone.csv"), sim=sim, engines=())
+
+
 def written(folder: Path, text: str, name: str = "slider.xml") -> Path:
     path = folder / name
     path.write_text(text)

@@ -15,7 +15,7 @@ from harness.core.errors import SimulationError
 from harness.core.quantity import Quantity
 from harness.core.recording import Recording
 from harness.core.trajectory import Source, Trajectory
-from harness.diagnosis.alignment.match import as_kind_of
+from harness.diagnosis.alignment.match import as_kind_of, showing
 from harness.diagnosis.attribution.attribute import (
     Attribution,
     Nearby,
@@ -69,7 +69,7 @@ class Configured:
         own = own_model(given) if isinstance(given, Path) and is_own(given) else None
         model = own.slider if own is not None else load_model(given) if isinstance(given, Path) else given
         trace = read_sim(options.sim, options.sim_reading) if isinstance(options.sim, Path) else options.sim
-        return cls(model, trace and as_kind_of(trace, recording, "--sim"), own)
+        return cls(model, trace and showing(as_kind_of(trace, recording, "--sim"), recording), own)
 
     def released(self, base: Model) -> Model:
         """The user's model, released as the recording was where the file does not say; ``base`` when there is none."""

@@ -22,6 +22,11 @@ from harness.estimate.reversals import Kind, NoDecay, period_of
 
 _OWN = {True: ("rad", "rad/s", "rad/s^2"), False: ("m", "m/s", "m/s^2")}
 _KINDS = {"x": Kind.DISPLACEMENT, "v": Kind.VELOCITY, "a": Kind.ACCELERATION}
+DERIVED = "derived"
+"""Of a trace's ``extra``: the channel that is a derivative of another one, by which steps and friction are not read."""
+_OWN_CHANNELS = ("x", "v", "a")
+_DROWNS = 0.05
+"""Share of a derivative's scatter that may be what the digits of a trace make of it."""
 _INSTANT = 1e-3
 """Share of a sampling interval by which instants that are the same may differ: times are written with few digits."""
 
@@ -44,6 +49,28 @@ def as_kind_of(one: Recording, other: Recording, option: str = "") -> Recording:
     units = dict(zip("xva", _OWN[other.angular], strict=True))
     note = f"Its columns name no unit: read in {' and '.join(units[c] for c in 'xva' if c in one)}, as {other.file}."
     return replace(one, angular=other.angular, notes=(*one.notes, note))
+
+
+def showing(trace: Recording, other: Recording) -> Recording:
+    """A simulation's trace with what the other one shows: derivatives of its position or speed, where none is shared.
+
+    As it is where it shares a channel, where it has none to derive from, and where its own digits would drown what is
+    derived (more than ``_DROWNS`` of its scatter).
+    """
+    if any(c in other for c in trace.channels if c in _OWN_CHANNELS):
+        return trace
+    wanted = next(c for c in _OWN_CHANNELS if c in other)
+    from_ = next((c for c in reversed(_OWN_CHANNELS[: _OWN_CHANNELS.index(wanted)]) if c in trace), None)
+    if from_ is None:
+        return trace
+    derived = trace[from_]
+    for _ in range(_OWN_CHANNELS.index(wanted) - _OWN_CHANNELS.index(from_)):
+        derived = np.gradient(derived, trace.t, edge_order=2)
+    if channel_noise(trace.t, derived).sigma > _DROWNS * float(np.std(derived)):
+        return trace
+    note = f"It has no {wanted}: that is taken from its {from_}, by differences of neighbouring samples."
+    extra = {**trace.extra, DERIVED: wanted}
+    return replace(trace, channels={**trace.channels, wanted: derived}, extra=extra, notes=(*trace.notes, note))
 
 
 def of_one_kind(one: Recording, other: Recording) -> tuple[Recording, Recording]:

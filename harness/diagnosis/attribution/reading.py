@@ -15,6 +15,7 @@ from harness.core.errors import InputError, SimulationError
 from harness.core.events import Mode
 from harness.core.recording import Recording
 from harness.diagnosis.alignment.align import LEAST_SHARED, Alignment, align
+from harness.diagnosis.alignment.match import DERIVED
 from harness.diagnosis.baseline.base_fit import baseline, driven_baseline
 from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.integrator_maps.maps import Scheme
@@ -266,7 +267,9 @@ def _prepared(trace: Recording, problem: Problem, on: Alignment, every: bool = F
 
     every : with channels that the recording does not have, as precise as those it has.
     """
-    names = [c for c in ("x", "v", "a") if c in trace and (every or c in problem.channels)]
+    derived = trace.extra.get(DERIVED)
+    every = every or derived is not None
+    names = [c for c in ("x", "v", "a") if c in trace and c != derived and (every or c in problem.channels)]
     channels = {c: trace[c] for c in (*names, *(["u"] if "u" in trace else []))}
     if problem.drive is not None and not is_driven(trace):
         # a simulation that was driven by the recorded force need not repeat it
