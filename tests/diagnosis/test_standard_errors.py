@@ -9,6 +9,7 @@ import pytest
 import harness
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
+from harness.core.slider import Slider
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.baseline.residual_noise import residual_noise
 from harness.diagnosis.fit.model_fit import fit
@@ -168,3 +169,21 @@ def test_stamps_that_jitter_are_part_of_the_noise(jitter: float) -> None:
         assert one.value is not None
         assert one.stderr is not None
         assert abs(one.value - true) < 3.0 * one.stderr
+
+
+@pytest.mark.parametrize("zero", [0.1, 0.4, 0.7])
+def test_an_encoder_that_stands_at_the_end_of_a_decay_shifts_nothing(zero: float) -> None:
+    """Half of the recording is rest, in which one rounding is read a thousand times; zero : of the encoder, counts."""
+    count, true = 9e-5, Slider(1.0, 0.24, 98.6, 0.0756)
+    omega_n = math.sqrt(true.k)
+    t: FloatArray = 0.0063 * np.arange(3000.0)
+    x = free_decay(Decay.of(true, 0.092), t).x
+    read = count * np.round(x / count + zero)
+    assert np.ptp(read[-1000:]) == 0.0
+    found = harness.diagnose(Recording(t, {"x": read}, "encoder.csv"), zero="free", engines=())
+    assert found.verdict == "adequate"
+    for name, truth in (("omega_n", omega_n), ("zeta", 0.5 * true.c / omega_n), ("x_k", true.f_k / true.k)):
+        told = found.baseline.parameters[name]
+        assert told.value is not None
+        assert told.stderr is not None
+        assert abs(told.value - truth) < 3.0 * told.stderr

@@ -59,6 +59,10 @@ def free_decay_problem(recording: Recording, asked: Asked) -> tuple[FreeDecay, t
     return replace(problem, acting=tuple(Acting.of(recording, one) for one in asked.covariates)), notes
 
 
+_WORDS = 2
+"""Samples that are kept of a rest in which they are all the same."""
+
+
 @dataclass(frozen=True, slots=True)
 class _Moving:
     """A recording cut to its free decay; released : whether it shows the release. half : of a half-cycle, s."""
@@ -84,6 +88,8 @@ def _in_motion(recording: Recording, restoring: Restoring) -> _Moving:
     late = float(found.edges[-1]) + _REST * float(found.edges[-1] - found.edges[0])
     if late < t[-1]:
         end = int(np.searchsorted(t, late))
+    # an encoder that stands says one word again and again, its rounding with it
+    end = min(end, int(np.flatnonzero(y[:end] != y[end - 1])[-1]) + 1 + _WORDS)
     if end - begin < MINIMUM_SAMPLES:
         return _Moving(recording)
     if begin > 0:
