@@ -61,8 +61,9 @@ def judge(found: Search, graded: Contest | None = None) -> Judgement:
     tested = (OVER_SIMULATED, NULL_DRAWS) if found.by_force else (STRUCTURE_NAMED if terms else STRUCTURE,)
     if structure and graded is not None:
         return Judgement(_BY_GRADE.get(graded.grade, "unexplained"), graded.refined, (*tested, *graded.rules))
-    if structure or (not terms and found.problem.holds(chosen.model) is not None):
-        return Judgement("unexplained", found.base, (*gates, *tested))
+    stands = not structure and not terms and found.problem.holds(chosen.model) is not None
+    if structure or stands:
+        return Judgement("unexplained", found.base, (*gates, *tested, *((STRUCTURE,) if stands else ())))
     rival = None if found.by_force else _near_pair(found)
     if rival is not None:
         return Judgement("unexplained", found.base, (*gates, *tested, FLEXIBLE, APART), rival)

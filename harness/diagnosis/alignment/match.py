@@ -24,7 +24,6 @@ _OWN = {True: ("rad", "rad/s", "rad/s^2"), False: ("m", "m/s", "m/s^2")}
 _KINDS = {"x": Kind.DISPLACEMENT, "v": Kind.VELOCITY, "a": Kind.ACCELERATION}
 DERIVED = "derived"
 """Of a trace's ``extra``: the channel that is a derivative of another one, by which steps and friction are not read."""
-_OWN_CHANNELS = ("x", "v", "a")
 _DROWNS = 0.05
 """Share of a derivative's scatter that may be what the digits of a trace make of it."""
 _INSTANT = 1e-3
@@ -57,14 +56,16 @@ def showing(trace: Recording, other: Recording) -> Recording:
     As it is where it shares a channel, where it has none to derive from, and where its own digits would drown what is
     derived (more than ``_DROWNS`` of its scatter).
     """
-    if any(c in other for c in trace.channels if c in _OWN_CHANNELS):
+    motion = tuple(_KINDS)
+    if any(c in other and c in trace for c in motion):
         return trace
-    wanted = next(c for c in _OWN_CHANNELS if c in other)
-    from_ = next((c for c in reversed(_OWN_CHANNELS[: _OWN_CHANNELS.index(wanted)]) if c in trace), None)
-    if from_ is None:
+    last = next(i for i, c in enumerate(motion) if c in other)
+    first = next((i for i in reversed(range(last)) if motion[i] in trace), None)
+    if first is None:
         return trace
+    wanted, from_ = motion[last], motion[first]
     derived = trace[from_]
-    for _ in range(_OWN_CHANNELS.index(wanted) - _OWN_CHANNELS.index(from_)):
+    for _ in range(last - first):
         derived = np.gradient(derived, trace.t, edge_order=2)
     if channel_noise(trace.t, derived).sigma > _DROWNS * float(np.std(derived)):
         return trace

@@ -89,7 +89,9 @@ def _in_motion(recording: Recording, restoring: Restoring) -> _Moving:
     if late < t[-1]:
         end = int(np.searchsorted(t, late))
     # an encoder that stands says one word again and again, its rounding with it
-    end = min(end, int(np.flatnonzero(y[:end] != y[end - 1])[-1]) + 1 + _WORDS)
+    stands = int(np.flatnonzero(y[:end] != y[end - 1])[-1]) + 1
+    if t[end - 1] - t[stands] > found.half_time:
+        end = stands + _WORDS
     if end - begin < MINIMUM_SAMPLES:
         return _Moving(recording)
     if begin > 0:

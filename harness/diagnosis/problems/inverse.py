@@ -12,19 +12,19 @@ from dataclasses import dataclass, field, replace
 from typing import Self, TypeVar
 
 import numpy as np
+from scipy.special import ndtri
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.events import Events
 from harness.diagnosis.problem import Observation
 from harness.diagnosis.problems.driven import Driven, Forced
 from harness.diagnosis.problems.measured import Measured
+from harness.diagnosis.rules import STRUCTURE
 from harness.diagnosis.starts import Windows
 from harness.estimate.noise import Noise
 from harness.kernels.solve import By, Effort, Scales
 from harness.model.model import Model
 
-_HELD = 6.0
-"""Times what a model leaves of the force by which more than its friction holds a slider that stands."""
 _SETTLED = 1e-9
 """Share of the sum of squares below which a step is the last."""
 
@@ -99,9 +99,12 @@ class InverseDynamics(Forced):
         """See Problem. What is fitted is the sliding alone, which says nothing of where it stands."""
         if self.guarded:
             return None
-        most = float(np.max(np.abs(self.measured.held(model)), initial=0.0))
+        held = np.abs(self.measured.held(model))
         friction = model.f_k if model.f_s is None else model.f_s
-        return most if most > friction + _HELD * self.noise["u"].sigma else None
+        # beyond what the most of so many blocks may be by what the model leaves of the force
+        chance = ndtri(1.0 - STRUCTURE.value / max(held.size, 1)) * self.noise["u"].sigma
+        most = float(np.max(held, initial=0.0))
+        return most if most > friction + chance else None
 
     @property
     def simulated(self) -> bool:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from harness.core.arrays import FloatArray
+from harness.proof.plant.base import log_uniform
 from harness.proof.real.measured import Measured, Rig
 
 Rng = np.random.Generator
@@ -39,31 +40,27 @@ class Effect:
     moves: Mapping[str, int] = field(default_factory=dict)
 
 
-def _between(rng: Rng, low: float, high: float) -> float:
-    return float(math.exp(rng.uniform(math.log(low), math.log(high))))
-
-
 def _gained(one: Measured, rng: Rng) -> Constructed:
-    gain = _between(rng, 0.03, 0.3)
+    gain = log_uniform(rng, 0.03, 0.3)
     return Constructed(one.with_channels(**{c: (1.0 + gain) * y for c, y in one.channels.items()}), gain)
 
 
 def _late(one: Measured, rng: Rng) -> Constructed:
-    late = _between(rng, 0.3, 10.0) * float(np.median(np.diff(one.t)))
+    late = log_uniform(rng, 0.3, 10.0) * float(np.median(np.diff(one.t)))
     return Constructed(one.with_channels(one.t + late), late)
 
 
 def _curved(one: Measured, rng: Rng) -> Constructed:
     """x + q x^2 about the middle of what was logged; the amount is the deviation at the largest x, over that x."""
     x = one.channels["x"] - np.median(one.channels["x"])
-    far, bend = float(np.max(np.abs(x))), _between(rng, 0.01, 0.15)
+    far, bend = float(np.max(np.abs(x))), log_uniform(rng, 0.01, 0.15)
     return Constructed(
         one.with_channels(x=one.channels["x"] + float(rng.choice([-1.0, 1.0])) * bend / far * x**2), bend
     )
 
 
 def _fast(one: Measured, rng: Rng) -> Constructed:
-    fast = _between(rng, 0.001, 0.03)
+    fast = log_uniform(rng, 0.001, 0.03)
     return Constructed(one.with_channels(one.t[0] + (1.0 + fast) * (one.t - one.t[0])), fast)
 
 
@@ -78,7 +75,7 @@ def _beside(form: Force, of_base: bool = False) -> Callable[[Measured, Rng], Con
         def beyond(y: FloatArray) -> FloatArray:
             return np.asarray(y - base @ np.linalg.lstsq(base, y, rcond=None)[0])
 
-        g, size = form(one.t - one.t[0], x - np.mean(x), v, rng), _between(rng, 0.5, 10.0)
+        g, size = form(one.t - one.t[0], x - np.mean(x), v, rng), log_uniform(rng, 0.5, 10.0)
         left = float(np.std(beyond(u)))
         seen = float(np.std(g if of_base else beyond(g)))
         r2 = 1.0 - left**2 / float(np.var(u))
@@ -102,7 +99,7 @@ def _one_sided(t: FloatArray, x: FloatArray, v: FloatArray, rng: Rng) -> FloatAr
 
 
 def _ripple(t: FloatArray, x: FloatArray, v: FloatArray, rng: Rng) -> FloatArray:
-    turns = 2.0 * math.pi * _between(rng, 3.0, 15.0) / float(np.ptp(x))
+    turns = 2.0 * math.pi * log_uniform(rng, 3.0, 15.0) / float(np.ptp(x))
     phase = rng.uniform(0.0, 6.3)
     return np.asarray(np.cos(turns * x + phase) + 0.2 * np.cos(2.0 * (turns * x + phase)))
 
@@ -111,7 +108,7 @@ def _hum(t: FloatArray, x: FloatArray, v: FloatArray, rng: Rng) -> FloatArray:
     """A line between those of the motion and half the rate of sampling."""
     turned = np.count_nonzero(np.diff(np.signbit(x - np.mean(x)))) / (2.0 * t[-1])
     rate = 0.5 / float(np.median(np.diff(t)))
-    omega = 2.0 * math.pi * min(_between(rng, 3.3, 30.0) * max(turned, 2.0 / t[-1]), 0.3 * rate)
+    omega = 2.0 * math.pi * min(log_uniform(rng, 3.3, 30.0) * max(turned, 2.0 / t[-1]), 0.3 * rate)
     return np.asarray(np.sin(omega * t + rng.uniform(0.0, 6.3)))
 
 
