@@ -262,8 +262,16 @@ class SurfaceResult(Result):
     described: str = Field(description="in words")
 
 
+class ModelForcesResult(Result):
+    """Forces of both models, in the units of the law."""
+
+    at: Floats
+    fitted: Floats
+    base: Floats
+
+
 class SeenLawResult(Result):
-    """A law that was found beside the recording: a force on the left of the equation, means over cells."""
+    """A law beside the recording: a force on the left of the equation, means over cells, rows of a friction curve."""
 
     names: list[str]
     over: Literal["v", "x", "t"] = Field(
@@ -277,6 +285,7 @@ class SeenLawResult(Result):
     fitted: Floats
     base: Floats = Field(description="of viscous and Coulomb friction alone")
     force_unit: str
+    between: ModelForcesResult | None = rare("of a friction curve: both models at speeds between its rows")
 
 
 class FitPercent(Result):

@@ -68,6 +68,24 @@ def test_an_offset_is_told_where_both_directions_are_and_signs_of_a_resistance_a
     turned = harness.diagnose(both(-1.2 - 0.3 * SPEEDS), engines=())
     assert turned.verdict == "adequate"
     assert turned.baseline.parameters["f_k"].value == pytest.approx(1.2, abs=0.02)
+    assert any("sign is turned" in note for note in turned.recording.notes)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_every_row_stands_beside_the_law_and_the_base_model(sign: float) -> None:
+    force = 1.2 + 0.3 * SPEEDS + 0.8 * np.exp(-((SPEEDS / 0.15) ** 2))
+    found = harness.diagnose(both(sign * force), engines=())
+    (law,) = found.laws
+    assert np.allclose(law.at, np.concatenate((-SPEEDS[::-1], SPEEDS)))
+    assert np.allclose(np.abs(law.seen), np.concatenate((force[::-1], force)), atol=5.0 * NOISE)
+    assert np.allclose(law.seen, law.fitted, atol=5.0 * NOISE)
+    assert law.between is not None
+    between = np.abs(law.between.at)
+    truth = 1.2 + 0.3 * between + 0.8 * np.exp(-((between / 0.15) ** 2))
+    assert np.allclose(np.abs(law.between.fitted), truth, atol=5.0 * NOISE)
+    left = found.plot("residual-u", "plotly").data
+    assert np.max(np.abs(left[1].y)) < 5.0 * NOISE
+    assert np.max(np.abs(left[0].y)) > 0.1
 
 
 def test_friction_that_falls_with_temperature_is_told_beside_the_law(tmp_path: Path) -> None:

@@ -21,7 +21,7 @@ from harness.core.trajectory import Trajectory
 from harness.diagnosis.explain.engines import engine_fit
 from harness.diagnosis.explain.force_map import ForceMap
 from harness.diagnosis.explain.locate import Place, locate, share_within
-from harness.diagnosis.explain.seen_law import seen_laws
+from harness.diagnosis.explain.seen_law import curve_law, seen_laws
 from harness.diagnosis.explain.sentences import sentence_of
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.rmse import fit_percent, rmse
@@ -85,14 +85,13 @@ def with_laws(result: DiagnosisResult, outcome: Outcome) -> tuple[DiagnosisResul
     """The result with its laws beside the recording, and the force that the base model leaves over."""
     problem, kind = outcome.problem, kind_of(outcome.problem)
     left = kind.left_over(problem, outcome.base, outcome.scales)
-    if not outcome.mechanisms or outcome.verdict == "unexplained":
+    named = outcome.mechanisms and outcome.verdict != "unexplained"
+    if problem.moves and not named:
         return result, left
     after = kind.left_over(problem, outcome.refined, outcome.scales, left.wander)
+    found = seen_laws(outcome, after) if problem.moves else (curve_law(outcome, after),)
     units = {"x": unit_of("m", problem), "v": unit_of("m/s", problem), "t": "s"}
-    laws = [
-        SeenLawResult.taken_from(one, at_unit=units[one.over], force_unit=unit_of("N", problem))
-        for one in seen_laws(outcome, after)
-    ]
+    laws = [SeenLawResult.taken_from(one, at_unit=units[one.over], force_unit=unit_of("N", problem)) for one in found]
     return result.model_copy(update={"laws": laws}), left
 
 

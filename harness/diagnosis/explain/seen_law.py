@@ -22,9 +22,20 @@ _CELLS = 32
 """Of the range that was covered; half of them for each direction of motion."""
 _FEWEST = 3
 """Samples of a cell that is shown."""
+_BETWEEN = 150
+"""Speeds of a line in one direction."""
 _BY_SPEED = (Slot.FRICTION_LAW, Slot.FRICTION_LEVEL, Slot.BREAK_AWAY)
 _STILL = 1e-9
 """Share of a change of force that is none."""
+
+
+@dataclass(frozen=True, slots=True)
+class ModelForces:
+    """Forces of the refined and of the base model, N, at speeds (n,), m/s."""
+
+    at: FloatArray
+    fitted: FloatArray
+    base: FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +44,8 @@ class SeenLaw:
 
     names : of the catalogue. over : "v" (all friction and damping), "x" (what the spring is not), or "t". level :
     whether it is the level of dry friction, against the motion. at (m,) : where, m, m/s or s. seen, stderr, fitted,
-    base (m,) : means of the recording with one standard error, of the refined and of the base model.
+    base (m,) : means of the recording with one standard error, of the refined and of the base model. between : of a
+    friction curve, whose every row is a cell of its own, both models over speeds between its rows.
     """
 
     names: tuple[str, ...]
@@ -44,6 +56,24 @@ class SeenLaw:
     stderr: FloatArray
     fitted: FloatArray
     base: FloatArray
+    between: ModelForces | None = None
+
+
+def curve_law(outcome: Outcome, left: ForceMap) -> SeenLaw:
+    """All friction over speed, of a friction curve. left : of the refined model, per unit mass."""
+    model, base, v = outcome.refined.model, outcome.base.model, left.at_v
+    speeds = np.abs(v)
+    grid = np.geomspace(np.min(speeds), np.max(speeds), _BETWEEN)
+    sides = [side * grid[:: int(side)] for side in (-1.0, 1.0) if np.any(np.sign(v) == side)]
+    fine = np.concatenate(sides)
+
+    def force(of: Model, at: FloatArray) -> FloatArray:
+        return _force(of, {"t": np.zeros(at.size), "x": np.zeros(at.size), "v": at})
+
+    names = tuple(dict.fromkeys(entry.term.name for entry in model.terms))
+    fitted, error = force(model, v), model.m * left.stderr
+    between = ModelForces(fine, force(model, fine), force(base, fine))
+    return SeenLaw(names, "v", False, v, fitted + model.m * left.force, error, fitted, force(base, v), between)
 
 
 def seen_laws(outcome: Outcome, left: ForceMap) -> tuple[SeenLaw, ...]:

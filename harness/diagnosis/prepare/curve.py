@@ -35,16 +35,16 @@ def curve_problem(recording: Recording, asked: Asked) -> tuple[Curve, tuple[str,
     v, u = v[order], u[order]
     beside = {name: values[order] for name, values in values_in(recording, asked.covariates).items()}
     acting = tuple(Acting.of(recording, one) for one in asked.covariates)
+    notes = [f"{rest} rows at rest, where friction may have any value, are skipped"] if rest else []
     if float(np.sum(u * v)) < 0.0:
-        # what acts on the slider, where what holds its speed is asked for
         u = -u
+        notes.append("the force points against the speed: its sign is turned, to be the force that holds the speed")
     noise = {"u": Noise(max(_noise(v, _without(beside, v, u)), _LEAST * float(np.max(np.abs(u)))), True, 0.0, 0.0)}
     # no motion says a mass: of what forces make, a unit of it is as good as any
     problem = Curve(
         np.arange(order.size, dtype=np.float64), {"u": u}, noise, mass=asked.mass or 1.0, v=v, order=order,
         angular=recording.angular, covariates=beside, acting=acting,
     )  # fmt: skip
-    notes = [f"{rest} rows at rest, where friction may have any value, are skipped"] if rest else []
     return problem, (*notes, *(() if problem.both_ways else (ALONE,)))
 
 

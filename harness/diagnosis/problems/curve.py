@@ -88,6 +88,6 @@ class Curve(Problem):
         return self
 
     def shown_beside(self, recording: Recording) -> Recording:
-        """Its rows in their order."""
-        channels = {c: recording[c][self.order] for c in ("v", "u")}
+        """Its rows in their order, each force as what holds the speed."""
+        channels = {"v": self.v, "u": self.channels["u"]}
         return replace(recording, t=self.t, channels=channels, covariates=self.covariates)

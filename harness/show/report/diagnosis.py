@@ -63,12 +63,13 @@ def diagnosis_page(
     sensors show, and behind them the user's own simulation where there is one. robot : where it is of a robot's joint.
     """
     seen, told = Curves(recording, simulated, result), result.attribution
+    law = [law_section(result)] if result.laws else []
     sections = [
         b.verdict(result.statement, gained(result), heading="Verdict"),
         *([] if robot is None else joint_beside(result, robot)),
-        *([b.Section("Friction by speed", seen.over_time())] if recording.steady else []),
+        *(law if recording.steady else []),
         seen.residual_section(),
-        *([law_section(result)] if result.laws else []),
+        *([] if recording.steady else law),
         *([nameless(result)] if result.tables or result.surface else []),
         *([] if recording.steady else [seen.phase_plane(_places(result))]),
         _numbers(result),

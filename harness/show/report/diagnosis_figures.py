@@ -142,13 +142,8 @@ class Curves:
         """Times of those, s."""
         return self.recording.t[self.free]
 
-    @property
-    def along(self) -> FloatArray:
-        """What is drawn over: times, or the speeds that were held."""
-        return self.recording["v"] if self.recording.steady else self.recording.t
-
     def layout(self, label: str, unit: str, more: Sequence[dict[str, Any]] = ()) -> dict[str, Any]:
-        """Axes over time, with shaded spans, reversals and more shapes."""
+        """Axes over time, with shaded spans, reversals and more shapes; over the speeds that were held."""
         if self.recording.steady:
             speed, by, _ = self.words("v")
             return axes(f"{speed} / {per(by)}", f"{label} / {per(unit)}", shapes=list(more), showlegend=True)
@@ -157,11 +152,9 @@ class Curves:
 
     def over_time(self) -> list[Figure]:
         """Every channel as recorded and as both models have it."""
-        t, own, figures = self.along, yours(self.simulated), []
+        t, own, figures = self.recording.t, yours(self.simulated), []
         caption = "Shaded: where simulation and recording differ. Dotted: reversals of the better model."
-        if self.recording.steady:
-            caption = ""
-        elif not shaded_spans(self.result):
+        if not shaded_spans(self.result):
             caption = "Fits that look alike here differ below: what counts is the residual against the noise."
         for c in self.channels:
             label, unit, factor = self.words(c)
@@ -189,7 +182,11 @@ class Curves:
             traces = []
             for said, color, model in self.models:
                 y = self.residual(model, c)[self.free] * factor
-                traces.append(curve(said, self.along[self.free], y, color, unit, 1.2))
+                if self.recording.steady:
+                    hover = f"%{{y:.4g}} {unit} at %{{x:.4g}} {self.words('v')[1]}<extra></extra>"
+                    traces.append(dots(said, self.recording["v"], y, {"color": color, "size": 6}, hover))
+                else:
+                    traces.append(curve(said, self.t, y, color, unit, 1.2))
             caption, band = left_by("simulation", self.result.recording.noise.get(c), unit, factor)
             if c != "u" and "u" in self.result.recording.noise:
                 caption += " The force was fitted, not this: the noise of the force adds up in each window."

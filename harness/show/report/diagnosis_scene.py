@@ -40,27 +40,34 @@ def diagnosis_scene(
     robot: Shown | None = None,
 ) -> s.Scene:
     """Scene of a diagnosis; arguments as of diagnosis_page."""
-    notes = _notes(result)
+    notes, laws = _notes(result), law_figures(result)
+    verdict = s.Words("verdict", notes)
+    side: list[s.Layout] = [verdict, *([s.Tabs(laws)] if len(laws) > 1 else laws)]
+    parts: dict[str, Sequence[Trajectory | Recording]] = {"trajectory": simulated, "recording": [recording]}
+    name = f"diagnosis of {recording.file.rpartition('/')[2]}"
+    if recording.steady:
+        # no time to draw over
+        return s.of_result(name, s.Columns(side[::-1], [3.0, 2.0][-len(side) :]), result, notes, parts)
     seen = Curves(recording, simulated, result)
-    curves, rests = seen.over_time(), [_from(recording.t[0], figure) for figure in seen.residuals()]
+    curves, rests, plane = (
+        seen.over_time(),
+        [_from(recording.t[0], figure) for figure in seen.residuals()],
+        seen.orbit(),
+    )
     lanes = list[s.Layout]()
     if spans := shaded_spans(result):
         looks = {_APART: ("they differ", BEFORE), _ELSEWHERE: ("elsewhere", "#3a414b")}
         states = lane(spans, float(recording.t[0]), float(recording.t[-1]))
         lanes.append(s.Lanes("where they differ", [s.Lane("where", *states, looks)]))
     shares = [*[1.4] * len(rests), *[0.5] * len(lanes), *[2.0] * len(curves)]
-    verdict = s.Words("verdict", notes)
-    plane = [] if recording.steady else [seen.orbit()]
-    laws = law_figures(result)
-    side: list[s.Layout] = [verdict, *([s.Tabs(laws)] if len(laws) > 1 else laws), *plane]
+    plane = seen.orbit()
+    side = [*side, plane]
     if robot is not None:
         side = [
             *([robot_view(robot.bodies)] if robot.bodies else []),
-            s.Tabs([verdict, *laws, *torque_tabs(result, robot), *plane]),
+            s.Tabs([verdict, *laws, *torque_tabs(result, robot), plane]),
         ]
-    name = f"diagnosis of {recording.file.rpartition('/')[2]}"
     layout = s.Columns([s.Rows([*rests, *lanes, *curves], shares), s.Rows(side)], [3.0, 2.0])
-    parts: dict[str, Sequence[Trajectory | Recording]] = {"trajectory": simulated, "recording": [recording]}
     return s.of_result(name, layout, result, notes, parts | ({} if robot is None else parts_of(robot)))
 
 

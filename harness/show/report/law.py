@@ -23,7 +23,8 @@ _LEVEL = "level of dry friction"
 
 def law_section(result: DiagnosisResult) -> Section:
     """A plot for each thing that the laws depend on, and what each law says."""
-    return Section("The law", [*law_figures(result), *statements(result)])
+    title = "Friction by speed" if any(law.between for law in result.laws) else "The law"
+    return Section(title, [*law_figures(result), *statements(result)])
 
 
 def statements(result: DiagnosisResult) -> list[Items]:
@@ -45,19 +46,22 @@ def _figure(number: int, law: SeenLawResult, result: DiagnosisResult) -> Figure:
     at, seen = factor * np.array(law.at), np.array(law.seen)
     bars = {"type": "data", "array": _ERRORS * np.array(law.stderr), "thickness": 1.2, "width": 0, "color": "ink"}
     hover = f"%{{y:.4g}} at %{{x:.4g}} {unit}<extra></extra>"
-    base, refined = model_names(result)
+    names, drawn = model_names(result), law.between or law
+    along = factor * np.array(drawn.at)
     lines: list[dict[str, Any]] = [
-        plain(name, *_broken(at, np.array(y), law.over), color, 2.2, hovertemplate=hover)
-        for name, y, color in ((base, law.base, BEFORE), (refined, law.fitted, AFTER))
+        plain(name, *_broken(along, np.array(y), law.over), color, 2.2, hovertemplate=hover)
+        for name, y, color in zip(names, (drawn.base, drawn.fitted), (BEFORE, AFTER), strict=False)
     ]
     points = dots("recording", at, seen, {"color": "ink", "size": 6}, hover, error_y=bars)
     caption = (
         f"Points: {what} as the recording shows it, with two standard errors. Lines: the law that was found, and"
         " viscous and Coulomb friction alone."
     )
-    names = f"{over} / {per(unit)}", f"{label} / {per(law.force_unit.replace('^2', '²'))}"
+    if law.between:
+        caption = f"Points: the {len(law.at)} rows of the recording, with two standard deviations of their noise."
+    labels = f"{over} / {per(unit)}", f"{label} / {per(law.force_unit.replace('^2', '²'))}"
     return Figure(
-        f"law-{number}", [*lines, points], axes(*names, showlegend=True, hovermode="closest"), caption, "", 380
+        f"law-{number}", [*lines, points], axes(*labels, showlegend=True, hovermode="closest"), caption, "", 380
     )
 
 
