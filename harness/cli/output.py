@@ -198,11 +198,14 @@ _AMPLE = 10_000
 
 
 def show(table: "Table") -> None:
-    """Print a table of plain text within the width there is; as wide as it needs to be where nothing sets one.
+    """Print a table of plain text, without columns that say nothing, within the width there is; as wide as it needs to
+    be where nothing sets one.
 
     One that is too wide has its rows as columns; where that is too wide as well, each row is a list of "heading: cell".
     """
     width, ample = line_width(), _plain(_AMPLE)
+    first, *others = table.columns
+    table.columns = [first, *(one for one in others if any(str(cell) not in ("", "-") for cell in one.cells))]
     if table.title:
         _print(wrapped(visible(str(table.title)), width), ample)
         table.title = None

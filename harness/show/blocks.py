@@ -24,6 +24,7 @@ class Cell:
     hint: str = ""
 
 
+_SEVERAL = 2
 Shown: TypeAlias = Cell | str | float | None
 """What stands for an item in a column: a text, a number, None for a dash."""
 
@@ -82,7 +83,7 @@ class Figure:
     name : unique among them. traces, layout : plotly's; NumPy arrays may stand for lists. caption : a sentence below.
     group : figures of one group zoom together along x. height : pixels. around : times, s, at which no sample of a
     curve is left out however many it has. least : pixels of its width, below which its place scrolls. Colours may be
-    "ink", "muted" or "rule": the page's own, in light and dark.
+    "ink", "muted", "rule" or "middle": the page's own, in light and dark.
     """
 
     name: str
@@ -199,11 +200,19 @@ def tabulated(
     footnotes: Sequence[str] = (),
     reasons: "Reasons | None" = None,
     compact: bool = False,
+    link: Callable[[Any], str] = lambda _: "",
 ) -> Table:
-    """A table of a row an item. head, note, color : of an item. reasons : footnotes that the columns make."""
-    rows = [Row(head(one), [cell(column.of(one)) for column in columns], note(one), color(one)) for one in items]
+    """A table of a row an item, without columns that have a dash for each of several.
+
+    head, note, color, link : of an item. reasons : footnotes that the columns make.
+    """
+    cells = [[cell(column.of(one)) for one in items] for column in columns]
+    told = [len(items) < _SEVERAL or any(one.text not in ("", "-", NONE) or one.notes for one in own) for own in cells]
+    kept = [own for own, tells in zip(cells, told, strict=True) if tells]
+    rows = [Row(head(one), [own[i] for own in kept], note(one), color(one), link(one)) for i, one in enumerate(items)]
     said = footnotes if reasons is None else reasons.footnotes
-    return Table(corner, columns, rows, caption, title, said, compact)
+    shown = [column for column, tells in zip(columns, told, strict=True) if tells]
+    return Table(corner, shown, rows, caption, title, said, compact)
 
 
 def by(key: Any, of: Callable[[Any, Any], Shown]) -> Callable[[Any], Shown]:

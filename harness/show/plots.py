@@ -17,6 +17,7 @@ Trace = dict[str, Any]
 POINTS = 28_000
 """Samples of one figure of a page, all curves together: those of a run take about 3 MB."""
 GROUP = "time"
+_WIDE = 100.0
 CHANNELS = {
     "x": ("position", "mm", 1e3),
     "v": ("speed", "m/s", 1.0),
@@ -99,6 +100,13 @@ def dots(name: str, x: Any, y: Any, marker: dict[str, Any], hover: str, **more: 
 def axes(x: str, y: str, **more: Any) -> dict[str, Any]:
     """A layout of labelled axes, and what else it has."""
     return {"xaxis": {"title": {"text": x}}, "yaxis": {"title": {"text": y}}} | more
+
+
+def decades(values: Sequence[float]) -> dict[str, Any]:
+    """A logarithmic axis of these; what is not far apart has ticks within decades."""
+    above = [value for value in values if value > 0.0]
+    wide = bool(above) and max(above) > _WIDE * min(above)
+    return {"type": "log", "exponentformat": "power", "dtick": 1 if wide else "D2"}
 
 
 def bars(

@@ -14,7 +14,7 @@ from harness.show.blocks import Block, Figure, Folded, Page
 from harness.show.plots import POINTS, Trace, thinned
 
 LIBRARIES = ("plotly", "matplotlib")
-_OURS = {"ink": "#1c2127", "muted": "#667080", "rule": "#dfe2e6"}
+_OURS = {"ink": "#1c2127", "muted": "#667080", "rule": "#dfe2e6", "middle": "#c9ccd1"}
 """Colours that a page has its own of."""
 _INCH, _WIDE = 100.0, 9.0
 """Pixels of an inch; inches of a figure's width."""

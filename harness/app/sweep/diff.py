@@ -20,9 +20,9 @@ from harness.engines import registry
 from harness.fidelity.compare import REGRESSIONS, is_regression, kept, moved_rows
 from harness.fidelity.select import Selection
 from harness.results.sweep import Baseline, DiffResult, DiffSide, Moved, SweepResult
-from harness.show.report.diff import diff_lines, diff_page, side_name
+from harness.show.report.diff import diff_lines, diff_page, side_name, uncompared
 
-__all__ = ["diff", "diff_lines"]
+__all__ = ["diff", "diff_lines", "uncompared"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,6 +12,9 @@ from harness.core.bounded import check_file
 if TYPE_CHECKING:
     from harness.results.sweep import DiffResult
 
+_MOST = 4
+"""Settings of which one side has rows alone, in the terminal."""
+
 
 @click.command(short_help="Two engines, versions, interpreters or sweeps: what moved from one to the other.")
 @click.argument("a")
@@ -56,14 +59,17 @@ def command(
 
 
 def _print(result: "DiffResult") -> None:
-    from harness.app.sweep.diff import diff_lines
+    from harness.app.sweep.diff import diff_lines, uncompared
 
     lines = diff_lines(result)
     if lines:
         heads = ("settings", "scenario", "metric", "before", "after", "x allowed", "verdict")
-        rows = [(o.settings, o.about, o.metric, o.before, o.after, o.times, o.verdict) for o in lines]
+        rows = [(o.settings, o.scenario, o.metric, o.before, o.after, o.times, o.verdict) for o in lines]
         show_rows(heads, rows, (*heads[:3], heads[-1]))
         say_all(dict.fromkeys(one.why for one in lines if one.why))
+    for what, names in uncompared(result).items():
+        more = f"; {len(names) - _MOST} more on the page" if len(names) > _MOST else ""
+        say_all([f"{what}: {'; '.join(names[:_MOST])}{more}"])
     say_all(f"no row has a name that the pattern {text} means" for text in result.unused)
     say_all(f"{name}: known to fail ({why}), and does not" for name, why in result.passed.items())
     say(result.statement)

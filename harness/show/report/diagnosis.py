@@ -182,14 +182,16 @@ def index_page(answers: Sequence[Answer], folder: Path, command: str, fleet: Fle
     named = ", ".join(f"{name} ({count})" for name, count in counts.most_common())
     headline = f"Missing: {named}." if named else "No physics was found to be missing."
     failed = [f"{one.recording.file}: {one.error}" for one in answers if isinstance(one, FailedDiagnosis)]
-    rows = [
-        b.Row(
-            PurePath(answer.recording.file).name, [b.Cell(text) for text in _entry(answer)], link=_link(answer, folder)
-        )
-        for answer in answers
-    ]
     heads = ("verdict", "missing", "not ruled out", "chi-square per point before", "after")
-    blocks: list[b.Block] = [b.Table("recording", [b.Column(head, str) for head in heads], rows)]
+    columns = [b.Column(head, b.by(i, lambda answer, i: _entry(answer)[i])) for i, head in enumerate(heads)]
+    table = b.tabulated(
+        "recording",
+        columns,
+        answers,
+        lambda answer: PurePath(answer.recording.file).name,
+        link=lambda answer: _link(answer, folder),
+    )
+    blocks: list[b.Block] = [table]
     if command:
         blocks.append(b.Code(command, intro="This command makes it again:"))
     first = fleet_sections(fleet) if fleet else [b.verdict(headline, failed, heading="Over all recordings")]

@@ -225,7 +225,7 @@ class Curves:
             marker = {
                 "size": 5,
                 "color": residual,
-                "colorscale": [[0.0, "#2b7fd6"], [0.5, "#c9ccd1"], [1.0, "#e4632d"]],
+                "colorscale": [[0.0, "#2b7fd6"], [0.5, "middle"], [1.0, "#e4632d"]],
                 "cmin": -limit,
                 "cmax": limit,
                 "showscale": i == 0,

@@ -24,10 +24,8 @@ GROUPS = {
 """Columns, and what they mean. On a phone a long word is parted."""
 _PRESETS = ("as-shipped", "tuned")
 _SHORT = {"harmonic": "har\u00admonic", _CONTACT: "con\u00adtact"}
-_CAPTION = (
-    "The largest distance from the exact answer, relative, and the figure that has it; a dash where there is none. As"
-    " people train: with 4/8 iterations of the solver and its line search, and, as tuned, with those recommended."
-)
+_CAPTION = "The largest distance from the exact answer, relative, and the figure that has it; a dash for none."
+_EFFORT = " As people train: 4/8 iterations of solver and line search, and, as tuned, those that are recommended."
 _LEAST, _MOST = 1e-4, 10.0
 """Shares beyond which a figure is not told."""
 
@@ -92,7 +90,7 @@ def glance_section(
         lambda line: _named(line, name),
         lambda line: f"{line.card.version}, {line.card.preset.replace('-', ' ')}",
         lambda line: color(line.card.engine, line.card.version),
-        caption=_CAPTION,
+        caption=_CAPTION + _EFFORT * any(_TRAINED in line.worst for line in found),
         compact=True,
     )
     scale = ("below 0.01 %", "to 0.2 %", "to 1 %", "to 5 %", "more")

@@ -23,7 +23,7 @@ from harness.results.robot import (
 )
 from harness.results.run import JointRunResult
 from harness.show import blocks as b
-from harness.show.numbers import number, of_engines, of_names
+from harness.show.numbers import number, of_engines, of_names, quantity
 from harness.show.plots import GROUP, axes, curve, dots, per, plain, some
 from harness.show.report.page import made_with
 from harness.show.stored import AFTER, AFTER_NAME, BEFORE, BEFORE_NAME, Left, Motion, Shown, moved_in
@@ -295,13 +295,13 @@ def _joints(joints: Sequence[JointResult], first: str) -> b.Section:
         b.Column("Coulomb", lambda one: _with_unit(one.f_k)),
         b.Column("viscous", lambda one: _with_unit(one.c)),
         b.Column("offset", lambda one: _with_unit(one.offset)),
-        b.Column("left, base", lambda one: number(one.held_out_before, 3), "", "rms of torque that was not fitted"),
-        b.Column("left, model", lambda one: number(one.held_out_after, 3), "", "the same with everything named"),
+        b.Column("residual", lambda one: number(one.held_out_before, 3), "", "rms of torque that was not fitted"),
+        b.Column("refined", lambda one: number(one.held_out_after, 3), "", "the same with every term"),
         b.Column(
             "over noise",
             lambda one: number(one.over_noise, 3),
             "",
-            "rms of what is left over that of the torque's noise",
+            "rms of the residual over that of the torque's noise",
         ),
     ]
     table = b.tabulated(
@@ -313,8 +313,8 @@ def _joints(joints: Sequence[JointResult], first: str) -> b.Section:
 def _with_unit(p: P) -> b.Cell:
     if p.value is None:
         return b.Cell("-", (p.why or "",))
-    notes = () if p.stderr is None else (f"\u00b1 {p.stderr:.2g}",)
-    return b.Cell(number(p.value, 4), (*notes, p.unit))
+    value, stderr, unit = quantity(p)
+    return b.Cell(value, (f"\u00b1 {stderr} {unit}" if stderr else unit,))
 
 
 def _found(found: Sequence[EntryResult]) -> b.Section:
@@ -422,13 +422,14 @@ def fleet_sections(fleet: FleetResult) -> list[b.Section]:
         lambda row: f"{row.joint}, {_FRICTION[row.parameter]}{'' if row.speed is None else f' ({row.speed:.2g})'}",
         lambda row: row.mean.unit,
     )
+    # where logs differ most stands first
+    parameters = dict.fromkeys(row.parameter for row in sorted(fleet.rows, key=lambda row: row.chance))
+    drawn = some([_spread(fleet, logs, parameter) for parameter in parameters])
+    others = [b.Folded("Of the other parameters", drawn[1:])] if drawn[1:] else []
     return [
         b.verdict(first, more, heading="Over all logs"),
+        b.Section("How far each log is from the mean", [*drawn[:1], *others]),
         b.Section("Joints over logs", [table]),
-        b.Section(
-            "How far each log is from the mean",
-            some([_spread(fleet, logs, n) for n in dict.fromkeys(row.parameter for row in fleet.rows)]),
-        ),
     ]
 
 
@@ -450,23 +451,29 @@ def _slope(row: FleetRow, name: str) -> b.Cell:
 
 
 def _spread(fleet: FleetResult, logs: Sequence[str], parameter: str) -> b.Figure:
-    """Friction of every joint over its mean, with two errors."""
+    """Friction of every joint over its mean, with two errors: over the condition that changes it, else the logs."""
     traces = []
     rows = [(row, row.mean.value) for row in fleet.rows if row.parameter == parameter and row.mean.value]
+    changed = [trend.name for row, _ in rows for trend in row.trends if trend.differs]
+    over = changed[0] if changed else ""
+    places: Sequence[str | float | None] = [log.conditions.get(over) for log in fleet.logs] if over else logs
     for (row, mean), color in zip(rows, of_names(len(rows)), strict=True):
-        there = [(name, p) for name, p in zip(logs, row.values, strict=True) if p is not None]
-        bars = {"type": "data", "array": [2.0 * abs((p.stderr or 0.0) / mean) for _, p in there]}
+        found = zip(places, logs, row.values, strict=True)
+        there = [(x, log, p) for x, log, p in found if p is not None and x is not None]
+        bars = {"type": "data", "array": [2.0 * abs((p.stderr or 0.0) / mean) for _, _, p in there]}
         traces.append(
             dots(
                 row.joint,
-                [name for name, _ in there],
-                [(p.value or 0.0) / mean for _, p in there],
+                [x for x, _, _ in there],
+                [(p.value or 0.0) / mean for _, _, p in there],
                 {"size": 8, "color": color},
-                "%{y:.4f}<br>%{x}",
+                "%{y:.4f}<br>%{text}",
+                text=[log for _, log, _ in there],
                 error_y=bars,
                 **_STILL,
             )
         )
-    layout = axes("log", f"{_FRICTION[parameter]} friction over the mean", showlegend=True)
-    layout["xaxis"]["type"] = "category"
+    layout = axes(over or "log", f"{_FRICTION[parameter]} friction over the mean", showlegend=True)
+    if not over:
+        layout["xaxis"]["type"] = "category"
     return b.Figure(f"fleet-{parameter}", traces, layout, "Bars are two standard errors." if traces else "", "", 320)

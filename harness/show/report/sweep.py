@@ -15,8 +15,8 @@ from harness.fidelity.published import PUBLISHED, Published
 from harness.fidelity.scores import COLUMNS, Card, badness, cards, front, points, settings_of
 from harness.results.sweep import Convergence
 from harness.show import blocks as b
-from harness.show.numbers import number
-from harness.show.plots import Trace, axes, dots, plain
+from harness.show.numbers import engine_name, number
+from harness.show.plots import Trace, axes, decades, dots, plain
 from harness.show.report.bodies import bodies_section
 from harness.show.report.curves import curves_section
 from harness.show.report.effort import effort_section, efforts
@@ -30,7 +30,6 @@ ROUTES = {
 }
 _COLORS = ("#e4632d", "#2b7fd6", "#1f9e77", "#a45bc2", "#b58900", "#d6457f", "#4bb3c4", "#7a8c2e", "#8c6d5a", "#777777")
 _MARKS = {"as-shipped": "circle-open", "tuned": "diamond"}
-_LOG = {"type": "log", "exponentformat": "power", "dtick": 1}
 _PERCENT = 100.0
 _DRAWN = 1500
 """Samples of a curve of the worst rows."""
@@ -95,7 +94,10 @@ def sweep_sections(
     engines, scored, every = _Engines(named), cards(rows), rows
     rows, effort = [row for row in rows if row["preset"] != TRAINED], efforts(rows)
     said = [*sentences(scored), *notes]
-    silent = [f"{one.engine}: {one.what}." for one in WITHOUT_EFFECT]
+    here, swept = {row["name"] for row in every}, {engine_name(row["engine"]) for row in every}
+    published = [_published(one) for one in PUBLISHED if one.row in here]
+    silent = [one for one in WITHOUT_EFFECT if one.engine.split()[0] in swept]
+    said_of = [f"{one.engine}: {one.what}." for one in silent]
     alike = _one_step_each(rows)
     lifting = [row for row in alike if row["scenario"].startswith("free-decay") and row["slider"]["f_k"] > 0.0]
     lifting = [row for row in lifting if row["metrics"].get("lift_m") is not None]
@@ -104,7 +106,7 @@ def sweep_sections(
         _scorecard(scored, engines),
         b.verdict("", said, [about(card) for card in scored], "What to change, and what stays wrong"),
         _pareto(rows, engines),
-        _orders(orders, engines),
+        *([_orders(orders, engines)] if orders else []),
         _creep(alike, engines),
         *([_lift(lifting, engines)] if lifting else []),
         *bodies_section(every, engines.name, engines.color),
@@ -112,8 +114,12 @@ def sweep_sections(
         *effort_section(effort, engines.name),
         *([_worst(worst, engines)] if worst else []),
         _servos(),
-        b.Section("What others publish", [_published(one) for one in PUBLISHED]),
-        b.verdict("", [*silent, _SILENT], [one.engine for one in WITHOUT_EFFECT], "Words that do nothing"),
+        *([b.Section("What others publish", published)] if published else []),
+        *(
+            [b.verdict("", [*said_of, _SILENT], [one.engine for one in silent], "Words that do nothing")]
+            if silent
+            else []
+        ),
     ]
 
 
@@ -226,8 +232,8 @@ def _pareto(rows: Sequence[Row], engines: _Engines) -> b.Section:
         traces.append(plain("nothing is both cheaper and better", cost, score, "muted", line=line, hoverinfo="skip"))
         layout = axes("wall time for one second of motion / s", "score", margin=_MARGIN)
         layout["title"] = {"text": title, "font": {"size": 13}, "x": 0.01, "y": 0.99}
-        for axis in ("xaxis", "yaxis"):
-            layout[axis] |= _LOG
+        for axis, across in (("xaxis", [p.cost for p in here]), ("yaxis", [p.score for p in here])):
+            layout[axis] |= decades(across)
         figures.append(b.Figure(f"pareto-{route}", traces, layout, caption, height=400))
     return b.Section("Error against cost", figures)
 
@@ -253,7 +259,7 @@ def _orders(orders: Sequence[Convergence], engines: _Engines) -> b.Section:
         ]
         layout = axes("step / ms", "largest position error / mm", margin=_MARGIN | {"t": 90})
         layout["xaxis"]["type"] = "log"
-        layout["yaxis"] |= _LOG
+        layout["yaxis"] |= decades([error for one in orders for error in one.error])
         if traces:
             said = f"Free decay {what}, joint route."
             drawn.append(b.Figure(f"order-{scenario}", traces, layout, said, height=420))
@@ -277,8 +283,7 @@ def _orders(orders: Sequence[Convergence], engines: _Engines) -> b.Section:
         color,
         caption=caption,
     )
-    every = b.Folded("All measured orders", [table]) if orders else b.Text("No setting was run at three steps or more.")
-    return b.Section("Convergence in the step", [*drawn, every])
+    return b.Section("Convergence in the step", [*drawn, b.Folded("All measured orders", [table])])
 
 
 def _creep(rows: Sequence[Row], engines: _Engines) -> b.Section:

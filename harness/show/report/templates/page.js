@@ -15,7 +15,7 @@
 
   const ours = () => {
     const style = getComputedStyle(root);
-    return Object.fromEntries(["ink", "muted", "rule", "card", "accent"].map((name) => [name, style.getPropertyValue("--" + name).trim()]));
+    return Object.fromEntries(["ink", "muted", "rule", "middle", "card", "accent"].map((name) => [name, style.getPropertyValue("--" + name).trim()]));
   };
 
   // arrays by key, and the page's own colours by name
@@ -24,7 +24,8 @@
     if (value && typeof value === "object") {
       if (typeof value.$ === "string") return array(value.$);
       return Object.fromEntries(Object.entries(value).map(([key, inner]) =>
-        [key, /color$/.test(key) && inner in colors ? colors[inner] : resolve(inner, colors)]));
+        [key, /color$/.test(key) && inner in colors ? colors[inner]
+          : key === "colorscale" ? inner.map(([at, color]) => [at, colors[color] || color]) : resolve(inner, colors)]));
     }
     return value;
   }
@@ -37,7 +38,7 @@
       font: { family: getComputedStyle(document.body).fontFamily, size: 12.5, color: colors.ink },
       modebar: { bgcolor: "rgba(0,0,0,0)", color: colors.muted, activecolor: colors.ink },
       hoverlabel: { bgcolor: colors.card, bordercolor: colors.muted, font: { color: colors.ink } },
-      legend: { orientation: "h", x: 0, y: 1, xanchor: "left", yanchor: "bottom", bgcolor: "rgba(0,0,0,0)" },
+      legend: { orientation: "h", x: 0, y: 1, xanchor: "left", yanchor: "bottom", bgcolor: "rgba(0,0,0,0)", itemsizing: "constant" },
       ...layout,
     };
     for (const name of new Set(["xaxis", "yaxis", ...Object.keys(layout).filter((key) => /^[xy]axis\d*$/.test(key))]))
@@ -94,8 +95,17 @@
     return [first(low), first(high)];
   }
 
-  // what is folded on the screen is printed
-  window.addEventListener("beforeprint", () => document.querySelectorAll("details").forEach((one) => { one.open = true; }));
+  // what is folded on the screen is printed, and a plot as wide as paper, where the style sheet fits it to the page's
+  const PAPER = 690;
+  const scaled = (plot) => plot.querySelectorAll(".main-svg").forEach((one) => {
+    one.setAttribute("viewBox", `0 0 ${one.getAttribute("width")} ${one.getAttribute("height")}`);
+  });
+  const sized = (change) => document.querySelectorAll(".plot").forEach((plot) => { if (plot.dataset.drawn) Plotly.relayout(plot, change); });
+  window.addEventListener("beforeprint", () => {
+    document.querySelectorAll("details").forEach((one) => { one.open = true; });
+    sized({ autosize: false, width: PAPER });
+  });
+  window.addEventListener("afterprint", () => sized({ autosize: true, width: null }));
 
   // a table that is wider than its place has each row as a block of named values
   const fitted = (one) => one.querySelectorAll(".scroll").forEach((place) => {
@@ -190,6 +200,8 @@
       if (first) {
         await Plotly.newPlot(plot, entered(spec, resolve(spec.traces, colors)), full(spec, colors), config);
         watch(spec);
+        scaled(plot);
+        plot.on("plotly_afterplot", () => scaled(plot));
         plot.dataset.drawn = "true";
       } else {
         const kept = { x: plot.layout.xaxis, y: plot.layout.yaxis }, layout = full(spec, colors);
