@@ -225,6 +225,7 @@ def change(
     mass: float | None = None,
     restoring: str | None = None,
     zero: str | None = None,
+    covariates: Sequence[str] | None = None,
     budget: float | None = None,
     out: File | None = None,
 ) -> ChangeResult:
@@ -241,8 +242,10 @@ def change(
     from harness.app.diagnose.options import DiagnoseOptions
     from harness.app.shared.reading import ReadOptions
 
-    options = DiagnoseOptions.chosen(ReadOptions(), restoring, zero, (), mass=mass, budget=budget)
-    earlier, later = ([_recording(one) for one in group] for group in (before, after))
+    options = DiagnoseOptions.chosen(
+        ReadOptions(), restoring, zero, (), covariates=covariates or (), mass=mass, budget=budget
+    )
+    earlier, later = ([_recording(one, options.reading.covariates) for one in group] for group in (before, after))
     return result_of(earlier, later, options) if out is None else deliver(earlier, later, options, Path(out))
 
 

@@ -171,8 +171,11 @@ def _known(within: FloatArray) -> FloatArray:
 
 
 def _together(names: Sequence[str], problem: Problem) -> dict[str, np.ndarray]:
-    """Further directions: a mass that nobody knows, of which a bob's pulls it back in proportion."""
-    if "m" in names or not problem.moves:
+    """Further directions: a mass that nobody knows, of which a bob's pulls it back in proportion.
+
+    A measured force is none per mass: where it does not show the mass, no other force moves with it.
+    """
+    if "m" in names or not problem.moves or problem.drive is not None:
         return {}
     bob = problem.restoring is Restoring.PENDULUM
     return {INERTIA: np.array([not (bob and name == "k") for name in names])}

@@ -112,6 +112,10 @@ def prepare_together(recordings: Sequence[Recording], asked: Asked) -> tuple[Pro
         raise InputError("--together", found, "recordings of a motion")
     if recordings and all(is_driven(one) for one in recordings):
         return forces_together(recordings, asked)
+    if asked.covariates:
+        undriven = next(one.file for one in recordings if not is_driven(one))
+        found = f"given with {undriven}, which nothing drives, among several"
+        raise InputError("--covariate", found, "several with a measured force, or one decay by itself")
     if any(not is_driven(one) and runs_down(one, asked.restoring) for one in recordings):
         return run_downs_together(recordings, asked)
     return together(recordings, asked)

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import Self
 
 import numpy as np
 
@@ -17,6 +18,10 @@ class Acts(StrEnum):
     DAMPING = "damping"
 
 
+_LEAST = 1e-3
+"""Share of f_k or c that is left of it in any case, so that what it is times stays finite."""
+
+
 @dataclass(frozen=True, slots=True)
 class Covariate:
     """A covariate P in a model; its values belong to a recording.
@@ -24,7 +29,8 @@ class Covariate:
     acts : as a force that pushes the slider, level + gain (P - about), or on f_k or c, times 1 + gain (P - about).
     about : mean of P in the recording that was fitted. unit : of P, its name where the recording gives none.
     level : of a force, N: where P has its mean; what is proportional to a pressure is not nil there. levelled : whether
-    the level is fitted: it cannot be told from an unknown zero of a spring.
+    the level is fitted: it cannot be told from an unknown zero of a spring. known : whether the gain is given, as
+    further recordings of the machine have told it.
     """
 
     name: str
@@ -34,6 +40,7 @@ class Covariate:
     unit: str = ""
     level: float = 0.0
     levelled: bool = True
+    known: bool = False
 
     @property
     def parameter(self) -> str:
@@ -43,7 +50,8 @@ class Covariate:
     @property
     def fitted(self) -> Mapping[str, float]:
         """What is fitted, by its name among the base parameters: the gain, and the level of a force."""
-        return {self.parameter: self.gain, **({self._level: self.level} if self.has_level else {})}
+        gain = {} if self.known else {self.parameter: self.gain}
+        return {**gain, **({self._level: self.level} if self.has_level else {})}
 
     @property
     def has_level(self) -> bool:
@@ -53,6 +61,13 @@ class Covariate:
     def at(self, name: str, value: float) -> "Covariate":
         """The same with another value of what ``fitted`` calls so."""
         return replace(self, gain=value) if name == self.parameter else replace(self, level=value)
+
+    def recentred(self, about: float) -> Self:
+        """The same law about another value of the column, where f_k or c are what they are there."""
+        moved = self.gain * (about - self.about)
+        if self.acts is Acts.FORCE:
+            return replace(self, about=about, level=self.level + moved)
+        return replace(self, about=about, gain=self.gain / max(1.0 + moved, _LEAST))
 
     @property
     def _level(self) -> str:

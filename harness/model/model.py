@@ -1,10 +1,14 @@
 """A model of a slider: base parameters, restoring force, release, and terms in their slots."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Literal
 
+import numpy as np
+
+from harness.core.arrays import FloatArray
 from harness.core.checks import finite, not_negative, positive
 from harness.core.errors import InputError
 from harness.core.slider import Slider
@@ -142,6 +146,11 @@ class Model:
     def with_terms(self, *terms: ModelTerm) -> "Model":
         """The same model with these terms in place of its own."""
         return replace(self, terms=terms)
+
+    def recentred(self, given: Mapping[str, FloatArray]) -> "Model":
+        """The same with its covariates about the means of these values (n,), by name."""
+        moved = (one.recentred(float(np.mean(given[one.name]))) for one in self.covariates)
+        return replace(self, covariates=tuple(moved))
 
     def of_recording(self, number: int) -> "Model":
         """The model of one recording by itself, 0 being the first."""

@@ -19,6 +19,14 @@ class ChangedNumber(Result):
     repeats: float | None = rare("standard deviation of repeats beyond their errors, in the unit of the number")
 
 
+class ChangedCovariate(Result):
+    """A covariate in both conditions."""
+
+    name: str
+    before: float = Field(description="mean of the recordings before, in the column's own unit")
+    after: float
+
+
 class ChangeResult(Paged):
     """harness diagnose --before ... --after ..."""
 
@@ -29,6 +37,7 @@ class ChangeResult(Paged):
     left: float = Field(description="that conditions which differ in nothing else differ so much")
     numbers: list[ChangedNumber]
     laws: list[str] = Field(description="catalogue names beside viscous and dry friction that both were read with")
+    given: list[ChangedCovariate] = rare("covariates, whose push is no change of the machine", list)
     before: list[RecordingInfo]
     after: list[RecordingInfo]
     warnings: list[str]

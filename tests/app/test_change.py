@@ -1,6 +1,7 @@
 """What changed between two conditions of a machine: decays in closed form, of which one number is another."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from harness.cli.main import run
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
+from harness.results.change import ChangeResult
 
 T: FloatArray = np.arange(900) / 60.0
 
@@ -139,3 +141,52 @@ def test_curves_of_two_conditions() -> None:
 def test_a_decay_and_a_run_down_are_not_one_kind() -> None:
     with pytest.raises(InputError, match="one kind"):
         harness.change([decay(1)], [coast(2, 0.8, 0.05)])
+
+
+AREA = 40.0
+
+
+def cylinder(seed: int, pressure: float, friction: float) -> Recording:
+    """A piston moved through its stroke: what it takes is 40 N/bar P, friction, 50 N s/m; moving presses the air."""
+    t: FloatArray = np.arange(600) / 60.0
+    draw = np.random.default_rng(seed)
+    a, b = 1.7 + 0.1 * seed, 4.1
+    v = 0.03 * np.cos(a * t) + 0.012 * np.cos(b * t + 1.0)
+    x = 0.03 / a * np.sin(a * t) + 0.012 / b * np.sin(b * t + 1.0)
+    lagged = np.convolve(np.sign(v), np.full(9, 1.0 / 9.0), mode="same")
+    p = pressure + 0.02 * lagged + 0.01 * np.sin(0.9 * t)
+    u = 50.0 * v + friction * np.sign(v) + AREA * p + 0.1 * draw.standard_normal(t.size)
+    noisy = {"P": p + 0.001 * draw.standard_normal(t.size)}
+    x_read = x + 1e-5 * draw.standard_normal(t.size)
+    return Recording(t, {"x": x_read, "u": u}, f"{pressure:g}bar-{seed}.csv", covariates=noisy)
+
+
+def pressed(after: float, friction: float) -> ChangeResult:
+    """Afterwards at another pressure; no laws are looked for, as there are none."""
+    before, later = [cylinder(1, 1.0, 2.0)], [cylinder(2, after, friction)]
+    return harness.change(before, later, restoring="none", covariates=["P"], budget=0.1)
+
+
+def test_a_pressure_that_presses_its_seal_is_told_beside_its_push() -> None:
+    found = pressed(5.0, 3.0)
+    assert found.changed == ["f_k"]
+    (friction,) = (one.ratio for one in found.numbers if one.name == "f_k")
+    assert friction.value == pytest.approx(1.5, abs=3.0 * (friction.stderr or 0.0))
+    (given,) = found.given
+    assert given.before == pytest.approx(1.0, abs=0.02)
+    assert given.after == pytest.approx(5.0, abs=0.02)
+    assert found.statement.startswith("P went from 1 to 5")
+
+
+def test_a_pressure_that_only_pushes_changes_nothing() -> None:
+    found = pressed(5.0, 2.0)
+    assert found.changed == []
+    (gain,) = (line.split("gain_P is ")[1].split()[0] for line in found.warnings if "gain_P is " in line)
+    assert float(gain) == pytest.approx(-AREA, abs=0.1)
+
+
+def test_of_decays_no_column_is_taken_beside() -> None:
+    plain = [decay(1), decay(2)]
+    acting = [replace(one, covariates={"T": np.linspace(20.0, 30.0, T.size)}) for one in plain]
+    with pytest.raises(InputError, match="measured force"):
+        harness.change(acting[:1], acting[1:], covariates=["T"])

@@ -16,7 +16,6 @@ from harness.app.diagnose.together import repeated_results
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.quantity import Quantity
-from harness.diagnosis.request import AskedCovariate
 from harness.kernels.solve import Drive, solve
 from harness.model.model import Model
 from harness.results import generate
@@ -128,11 +127,10 @@ def test_what_is_left_is_valid_and_the_trace_alone_gives_the_page(
     is_rebuilt(result, tmp_path / "page.html", "2 recordings of one machine")
 
 
-def test_what_acts_beside_the_force_belongs_to_one_recording(driven: Done) -> None:
+def test_windows_belong_to_one_recording(driven: Done) -> None:
     files = [(path, str(path)) for path in driven[1]]
-    for options in (DiagnoseOptions(covariates=(AskedCovariate("P"),)), DiagnoseOptions(horizon=2.0)):
-        with pytest.raises(InputError, match="--together: given with --"):
-            diagnose_together(files, options)
+    with pytest.raises(InputError, match="--together: given with --"):
+        diagnose_together(files, DiagnoseOptions(horizon=2.0))
 
 
 def test_a_series_is_told_as_a_trend_of_what_changes(tmp_path: Path) -> None:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -26,15 +26,17 @@ from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.forces_together import ForcesTogether
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.rules import MOVED
-from harness.results.change import ChangedNumber, ChangeResult
+from harness.results.change import ChangedCovariate, ChangedNumber, ChangeResult
 from harness.results.common import P
 from harness.show.report.change import change_page
 
 STEPS = 4
 NEW = P.of(Quantity.refused("1", "there was none to be seen before"))
+_SWITCHED = 0.05
+"""Share of a covariate by which it was another condition, and did not only vary."""
 _SEEN = 3.0
 """Standard errors from which there was something of a number before."""
-_OPTIONS = ("model", "sim", "horizon", "covariates", "robot", "validate")
+_OPTIONS = ("model", "sim", "horizon", "robot", "validate")
 ONE_EACH = (
     "One recording per condition: repeats are taken to differ by 1 % (a spring by 0.3 %); two of each measure it."
 )
@@ -108,8 +110,11 @@ class _Ready:
         def laid(group: Sequence[Problem]) -> Sequence[Problem]:
             return group if len(group) == 1 else [type(whole).laid(group)]  # type: ignore[arg-type]
 
-        each = whole.each if isinstance(whole, ForcesTogether) else whole.alone
-        return cls(each, laid, ready.warnings, ready.notes)
+        if not isinstance(whole, ForcesTogether):
+            return cls(whole.alone, laid, ready.warnings, ready.notes)
+        # dry and viscous friction are those under the load that each was recorded at
+        each = [replace(one, first=one.first.recentred(one.covariates)) for one in whole.each]
+        return cls(each, laid, ready.warnings, (*ready.notes, *whole.enters))
 
 
 def result_of(
@@ -122,8 +127,8 @@ def result_of(
 ) -> ChangeResult:
     """What changed. Raises InputError for recordings that are not of one machine, SimulationError."""
     for name in _OPTIONS:
-        if getattr(options, name) not in (None, ()):
-            raise InputError(f"--{name.removesuffix('s')}", "given with --before", "it goes with one recording")
+        if getattr(options, name) is not None:
+            raise InputError(f"--{name}", "given with --before", "it goes with one recording")
     recordings = [thinned(one) for one in (*before, *after)]
     ready, count = _Ready.of(recordings, options), len(before)
     groups = ready.each[:count], ready.each[count:]
@@ -142,13 +147,15 @@ def result_of(
     ]
     read = [note for one in recordings for note in one.notes]
     infos = [recording_info(one, problem.noise) for one, problem in zip(recordings, ready.each, strict=True)]
+    given = _given(ready.each, count)
     result = ChangeResult(
-        statement=_statement(found),
+        statement=f"{_switched(given)}{_statement(found)}",
         changed=list(found.found.directions),
         chance=found.found.chance,
         left=found.found.left,
         numbers=_numbers(found),
         laws=list(found.laws),
+        given=given,
         before=infos[:count],
         after=infos[count:],
         warnings=list(dict.fromkeys([*ready.warnings, *alone, *unknown, *read, *ready.notes])),
@@ -157,6 +164,25 @@ def result_of(
         files=dict(files or {}),
     )
     return result.drawn(change_page)
+
+
+def _given(each: Sequence[Problem], count: int) -> list[ChangedCovariate]:
+    """What covariates were in both conditions; count : recordings before."""
+    found = []
+    for name in each[0].covariates:
+        before, after = (
+            float(np.mean(np.concatenate([one.covariates[name] for one in side])))
+            for side in (each[:count], each[count:])
+        )
+        found.append(ChangedCovariate(name=name, before=before, after=after))
+    return found
+
+
+def _switched(given: Sequence[ChangedCovariate]) -> str:
+    """Which covariates are not what they were."""
+    moved = [one for one in given if abs(one.after - one.before) > _SWITCHED * abs(one.before)]
+    said = [f"{one.name} went from {one.before:.3g} to {one.after:.3g}, whose push is accounted for" for one in moved]
+    return f"{_capital('; '.join(said))}. " if said else ""
 
 
 def _numbers(compared: Compared) -> list[ChangedNumber]:

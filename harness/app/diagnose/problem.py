@@ -81,7 +81,9 @@ def prepared_together(recordings: Sequence[Recording], options: DiagnoseOptions)
     """As ``prepared``, recordings of one machine; the channels are those of the first that has two."""
     for one in recordings:
         _refuse(one)
-    asked = Asked(options.restoring, options.zero_free, options.mass, guarded=options.guarded)
+    asked = Asked(
+        options.restoring, options.zero_free, options.mass, covariates=options.covariates, guarded=options.guarded
+    )
     problem, notes = prepare_together(recordings, asked)
     all_moves = [classify(one, asked.restoring) for one in recordings]
     for one, moves in zip(recordings, all_moves, strict=True):

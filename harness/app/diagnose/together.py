@@ -159,10 +159,10 @@ def investigate_together(
 
 def _refuse_options(options: DiagnoseOptions) -> None:
     """Raise InputError for what belongs to one recording."""
-    for name in ("model", "sim", "horizon", "covariates"):
-        if getattr(options, name) not in (None, ()):
+    for name in ("model", "sim", "horizon"):
+        if getattr(options, name) is not None:
             one = "recording, whose mismatch is divided" if name in ("model", "sim") else "driven recording"
-            found = f"given with --{name.removesuffix('s')}"
+            found = f"given with --{name}"
             raise InputError("--together", found, f"it goes with one {one}")
 
 

@@ -108,7 +108,10 @@ def _ways(one: Acting, base: Fit, problem: Problem, scales: Scales) -> tuple[Seq
             share, noisy = _own(one, start, base, problem, scales)
             if noisy:
                 refused[acts] = share
-                continue
+                if not (problem.alone and covariate.has_level):
+                    continue
+                # of several the same push all the time, which none of its variation needs to tell
+                start = replace(model, covariates=(*model.covariates, replace(covariate, known=True)))
             fitted = fit(start, problem, free_of(start, base_of(base.free)), scales, thorough=False)
         except SimulationError:
             continue

@@ -36,40 +36,49 @@ class Acting:
     asked: bool = False
 
     @classmethod
-    def of(cls, recording: Recording, one: AskedCovariate) -> "Acting":
-        """As it was asked for."""
-        values, unit = recording.covariates[one.name], recording.units.get(one.name, "")
-        noise = _noise(recording, values)
-        return cls(one.name, one.acts, float(np.mean(values)), unit, noise, recording.file, one.acts is not None)
+    def of(cls, one: AskedCovariate, *recordings: Recording) -> "Acting":
+        """As it was asked for, in all recordings of a machine together."""
+        values, noise = _laid(one.name, recordings)
+        unit, file = recordings[0].units.get(one.name, ""), ", ".join(recording.file for recording in recordings)
+        return cls(one.name, one.acts, float(np.mean(values)), unit, noise, file, one.acts is not None)
 
     def entering(self, acts: Acts, levelled: bool) -> Covariate:
         """In a model, with no effect yet; levelled : whether the level of a force can be told from the zero."""
         return Covariate(self.name, acts, 0.0, self.about, self.unit, levelled=levelled)
 
 
-def values_in(recording: Recording, asked: tuple[AskedCovariate, ...]) -> dict[str, FloatArray]:
-    """The columns (n,) that were asked for. Raises InputError for one that is not there or says nothing."""
+def values_in(asked: tuple[AskedCovariate, ...], *recordings: Recording) -> dict[str, FloatArray]:
+    """The columns (n,) that were asked for, of recordings of a machine one behind the other.
+
+    Raises InputError for one that is not there or says nothing.
+    """
     found = {}
     for one in asked:
-        where = f"{recording.file}: covariate {one.name}"
-        if one.name not in recording.covariates:
-            there = ", ".join(recording.covariates) or "none"
-            raise InputError(where, "no such column", f"a covariate of the recording ({there})")
-        values = recording.covariates[one.name]
+        for recording in recordings:
+            if one.name not in recording.covariates:
+                there = ", ".join(recording.covariates) or "none"
+                where = f"{recording.file}: covariate {one.name}"
+                raise InputError(where, "no such column", f"a covariate of the recording ({there})")
+        where = f"{', '.join(recording.file for recording in recordings)}: covariate {one.name}"
+        values, noise = _laid(one.name, recordings)
         spread, accepted = float(np.std(values)), f"a spread of {COVARIATE_VARIES.value:g} times its noise"
         if float(np.ptp(values)) == 0.0:
             raise InputError(where, f"the constant {values[0]:g}", accepted)
-        noise = _noise(recording, values).sigma
-        if spread < COVARIATE_VARIES.value * noise:
-            found_too = f"hardly varies: {spread:.3g} about its mean, of which noise is {noise:.3g}"
+        if spread < COVARIATE_VARIES.value * noise.sigma:
+            found_too = f"hardly varies: {spread:.3g} about its mean, of which noise is {noise.sigma:.3g}"
             raise InputError(where, found_too, accepted)
         found[one.name] = values
     return found
 
 
-def _noise(recording: Recording, values: FloatArray) -> Noise:
-    """Of a column (n,); the rows of a table without time follow no course that would show any."""
-    return Noise(0.0, False) if recording.steady else channel_noise(recording.t, values)
+def _laid(name: str, recordings: Sequence[Recording]) -> tuple[FloatArray, Noise]:
+    """A column (n,) of recordings one behind the other, and its noise where that is most.
+
+    The rows of a table without time follow no course that would show any.
+    """
+    each = [(one, one.covariates[name]) for one in recordings]
+    noise = [Noise(0.0, False) if one.steady else channel_noise(one.t, values) for one, values in each]
+    return np.concatenate([values for _, values in each]), max(noise, key=lambda one: one.sigma)
 
 
 NAMED = {Acts.FORCE: "a force", Acts.FRICTION: "friction", Acts.DAMPING: "damping"}

@@ -16,6 +16,7 @@ from harness.core.recording import Recording
 from harness.diagnosis.covariates.following import enter
 from harness.diagnosis.covariates.values import Acting, values_in
 from harness.diagnosis.fit.model_fit import HASTY, fit
+from harness.diagnosis.fit.standard_errors import base_parameters
 from harness.diagnosis.inverse_dynamics.search import force_baseline, with_one_more
 from harness.diagnosis.parameters import free_of
 from harness.diagnosis.prepare.driven import forced_problem
@@ -27,6 +28,7 @@ from harness.diagnosis.problems.measured import BLOCK
 from harness.diagnosis.request import Asked, AskedCovariate
 from harness.diagnosis.rules import FORCE_HELD, MASS_UNSEEN
 from harness.kernels.solve import Drive
+from harness.model.covariate import Covariate
 from harness.model.model import Restoring
 
 
@@ -54,8 +56,8 @@ def with_covariates(
 
     Raises InputError for one that is no column, hardly varies, or follows from the base model and time.
     """
-    acting = tuple(Acting.of(recording, one) for one in asked)
-    problem = replace(problem, covariates=values_in(recording, asked), acting=acting)
+    acting = tuple(Acting.of(one, recording) for one in asked)
+    problem = replace(problem, covariates=values_in(asked, recording), acting=acting)
     base, scales = force_baseline(problem)
     found = enter(base, problem, scales)
     first = replace(problem.first, covariates=found.fit.model.covariates)
@@ -86,27 +88,42 @@ def with_unseen_mass(problem: InverseDynamics) -> InverseDynamics:
     return replace(problem, mass=mass, first=first, enters=(*problem.enters, said))
 
 
+_UNTOLD = "taken as 0, as motion and time say what the column does,"
 _BY_FORCE = "driven, several: the force of all is fitted at once, whether or not the motion of each could be followed"
 
 
 def forces_together(recordings: Sequence[Recording], asked: Asked) -> tuple[ForcesTogether, tuple[str, ...]]:
     """Driven recordings as one problem, and what was done to each, one sentence each.
 
-    On a spring each has a zero of its own, unless that is given. Raises InputError for fewer than two, for free decays
-    among them, for those that have no channel in common or hardly move; SimulationError.
+    On a spring each has a zero of its own, unless that is given. What covariates do is the same law in all. Raises
+    InputError for fewer than two, for free decays among them, for those that have no channel in common or hardly move;
+    SimulationError.
     """
     common = in_common(recordings)
     spring = (asked.restoring or Restoring.SPRING) is not Restoring.NONE
     # smoothing rounds off reversals, of which each recording has its own share
     alike = replace(asked, guarded=True, zero_free=spring if asked.zero_free is None else asked.zero_free)
-    notes, each = [_BY_FORCE], []
+    values_in(asked.covariates, *recordings)
+    notes, each = [_BY_FORCE], list[InverseDynamics]()
     for one in recordings:
         problem, done = _alone(one, alike, common)
         each.append(problem)
         notes += [f"in {one.file}: {note}" for note in done]
         left_out = [c for c in ("x", "v", "a") if c in one and c not in common]
         notes += [f"in {one.file}: {c} is not used: not every recording has it" for c in left_out]
+    acting, entered = _as_in_all(each, recordings, asked.covariates)
+    for i, one in enumerate(recordings):
+        try:
+            given = replace(each[i], first=replace(each[i].first, covariates=acting))
+            each[i], said = as_it_acts(given, one["u"][: given.t.size])
+        except SimulationError as error:
+            accepted = "recordings in which the slider moves most of the time"
+            raise InputError(one.file, str(error), accepted) from error
+        notes += [f"in {one.file}: {note}" for note in said]
     laid = ForcesTogether.laid(each)
+    if acting:
+        fitted = tuple(replace(one, known=one.gain == 0.0) for one in laid.first.covariates)
+        laid = replace(laid, first=replace(laid.first, covariates=fitted), enters=entered)
     known = with_unseen_mass(laid)
     if known.mass is not None and known.mass != laid.mass:
         laid = laid.with_mass(known.mass, known.first, known.enters)
@@ -116,11 +133,29 @@ def forces_together(recordings: Sequence[Recording], asked: Asked) -> tuple[Forc
 def _alone(recording: Recording, asked: Asked, common: Sequence[str]) -> tuple[InverseDynamics, tuple[str, ...]]:
     seen = {c: y for c, y in recording.channels.items() if c in (*common, "u")}
     problem, notes = forced_problem(replace(recording, channels=seen), asked)
+    problem = replace(problem, covariates={one.name: recording.covariates[one.name] for one in asked.covariates})
     # whole blocks, so that none reaches over the seam
-    problem = problem.part(slice(0, problem.t.size // BLOCK * BLOCK))
-    try:
-        problem, said = as_it_acts(problem, recording["u"][: problem.t.size])
-    except SimulationError as error:
-        accepted = "recordings in which the slider moves most of the time"
-        raise InputError(recording.file, str(error), accepted) from error
-    return problem, (*notes, *said)
+    return problem.part(slice(0, problem.t.size // BLOCK * BLOCK)), notes
+
+
+def _as_in_all(
+    each: Sequence[InverseDynamics], recordings: Sequence[Recording], asked: tuple[AskedCovariate, ...]
+) -> tuple[tuple[Covariate, ...], tuple[str, ...]]:
+    """What covariates do in all recordings alike, whatever else is each one's own, and a sentence on each.
+
+    Between conditions a pressure differs by more than it varies in one: that tells its gain where the motion itself
+    presses the air.
+    """
+    if not asked:
+        return (), ()
+    laid = ForcesTogether.laid(each)
+    laid = laid.with_own((*laid.mass_names, *laid.physics))
+    base, scales = force_baseline(laid)
+    found = enter(base, replace(laid, acting=tuple(Acting.of(one, *recordings) for one in asked)), scales)
+    numbers = base_parameters(found.fit, laid, scales.omega, explained=False)
+    acting = found.fit.model.covariates
+    said = tuple(
+        f"{line} {one.parameter} is {numbers.get(one.parameter, _UNTOLD)} in all recordings."
+        for line, one in zip(found.said, acting, strict=True)
+    )
+    return tuple(replace(one, known=True) for one in acting), said

@@ -23,7 +23,7 @@ from harness.diagnosis.inverse_dynamics.strokes import force_words
 from harness.diagnosis.parameters import base_of, free_of
 from harness.diagnosis.pooling.own import CANDIDATES, Alone, Compared
 from harness.diagnosis.pooling.pooled import MOST, Pooled
-from harness.diagnosis.problems.forces_together import ForcesTogether
+from harness.diagnosis.problems.forces_together import ForcesTogether, begun_alike
 from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.rules import DECISIVE, OWN, POOLED
 from harness.diagnosis.search.search import under
@@ -86,20 +86,15 @@ def freed(found: Fit, problem: ForcesTogether, scales: Scales) -> list[Freed]:
     for stem in CANDIDATES:
         if stem in problem.own_names or (stem == "k" and problem.restoring is Restoring.NONE):
             continue
-        other = replace(problem.with_own((*problem.starts.own, stem)), first=_having(problem.first, stem))
+        other = problem.with_own((*problem.starts.own, stem))
         names = dict.fromkeys((*base_of(found.free), *(named(stem, r) for r in range(1, more + 1))))
-        model = _having(found.model, stem)
+        model = begun_alike(found.model, stem)
         with suppress(SimulationError):
             better = fit(model, problem, free_of(model, tuple(names)), scales)
             words = min(force_words(better.memory, problem.measured).pieces.count, better.memory.independent)
             gain = evidence(found.chi2, better.chi2, max(words, 1.0), more, float(len(CANDIDATES)))
             seen.append(Freed(stem, other, better, gain))
     return sorted(seen, key=lambda one: -one.gain)
-
-
-def _having(model: Model, stem: str) -> Model:
-    value = float(getattr(model, stem))
-    return replace(model, elsewhere=tuple(one.having(**{stem: value}) for one in model.elsewhere))
 
 
 def _parted(base: Fit, problem: ForcesTogether, scales: Scales) -> tuple[ForcesTogether, Fit]:

@@ -48,7 +48,7 @@ def alone_under(found: Fit, problem: Together | ForcesTogether, scales: Scales, 
         model = replace(found.model.of_recording(i), terms=terms)
         with suppress(SimulationError):
             if isinstance(one, InverseDynamics):
-                read[i] = force_alone(one, model, scales)
+                read[i] = force_alone(one, replace(model, covariates=one.first.covariates), scales)
             else:
                 read[i] = _followed(one, model, scales)
     return _as_the_others(read)

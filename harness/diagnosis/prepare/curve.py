@@ -33,8 +33,8 @@ def curve_problem(recording: Recording, asked: Asked) -> tuple[Curve, tuple[str,
         raise InputError(recording.file, f"{order.size} speeds", f"at least {FEWEST_STEADY} beside 0")
     rest = v.size - order.size
     v, u = v[order], u[order]
-    beside = {name: values[order] for name, values in values_in(recording, asked.covariates).items()}
-    acting = tuple(Acting.of(recording, one) for one in asked.covariates)
+    beside = {name: values[order] for name, values in values_in(asked.covariates, recording).items()}
+    acting = tuple(Acting.of(one, recording) for one in asked.covariates)
     notes = [f"{rest} rows at rest, where friction may have any value, are skipped"] if rest else []
     if float(np.sum(u * v)) < 0.0:
         u = -u

@@ -48,7 +48,7 @@ def free_decay_problem(recording: Recording, asked: Asked) -> tuple[FreeDecay, t
         {c: channel_noise(recording.t, y, period) for c, y in channels.items()},
         mass=asked.mass,
         angular=recording.angular,
-        covariates=values_in(recording, asked.covariates),
+        covariates=values_in(asked.covariates, recording),
     )
     problem, said = held(problem, asked)
     notes = (*notes, said) if said else notes
@@ -56,7 +56,7 @@ def free_decay_problem(recording: Recording, asked: Asked) -> tuple[FreeDecay, t
         problem, touched = without_hand(problem, moving.half)
         if touched > 0.0:
             notes = (*notes, f"skipped the first {touched:.2g} s after the release (hand still in contact?)")
-    return replace(problem, acting=tuple(Acting.of(recording, one) for one in asked.covariates)), notes
+    return replace(problem, acting=tuple(Acting.of(one, recording) for one in asked.covariates)), notes
 
 
 _WORDS = 2

@@ -22,6 +22,12 @@ _APART = 20.0
 """Longest sampling intervals between one recording and the next on the common axis."""
 
 
+def begun_alike(model: Model, *stems: str) -> Model:
+    """The model with these base parameters every recording's own, each as it is in the first where it was not."""
+    values = {stem: float(getattr(model, stem)) for stem in stems}
+    return replace(model, elsewhere=tuple(one.having(**{**values, **dict(one.values)}) for one in model.elsewhere))
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ForcesTogether(InverseDynamics):
     """See InverseDynamics.
@@ -58,6 +64,7 @@ class ForcesTogether(InverseDynamics):
         drives = [one.drive if held else one.drive.straight for one in each]
         knots = np.concatenate([drive.t + clock for drive, clock in zip(drives, clocks, strict=True)])
         speed = np.concatenate([one.starts.v for one in each])
+        given = {name: np.concatenate([one.covariates[name] for one in each]) for name in first.covariates}
         elsewhere = tuple(Elsewhere((("offset", one.first.offset),) if one.zero_free else ()) for one in each[1:])
         return cls(
             t,
@@ -70,7 +77,8 @@ class ForcesTogether(InverseDynamics):
             angular=first.angular,
             starts=SeveralWindows(tuple(windows), t, speed, tuple(stretches)),
             drive=Drive(knots, np.concatenate([drive.u for drive in drives]), held),
-            first=replace(first.first, elsewhere=elsewhere),
+            first=replace(first.first.recentred(given), elsewhere=elsewhere),
+            covariates=given,
             guarded=first.guarded,
             each=tuple(each),
             levels=(1.0,) * len(each),
@@ -119,7 +127,8 @@ class ForcesTogether(InverseDynamics):
 
     def with_own(self, own: tuple[str, ...]) -> Self:
         """The same with these base parameters each recording's own."""
-        return replace(self, starts=replace(self.starts, own=own), fixed=self.measured)
+        first = begun_alike(self.first, *own)
+        return replace(self, starts=replace(self.starts, own=own), first=first, fixed=self.measured)
 
     def with_mass(self, mass: float, model: Model, enters: tuple[str, ...]) -> Self:
         """The same with a mass that is not fitted, in each recording too."""

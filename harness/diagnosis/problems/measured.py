@@ -10,7 +10,7 @@ from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.parameters import in_recording
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.problems.asked import Path, asked, given_force, inverse_force
+from harness.diagnosis.problems.asked import Path, asked, given_force
 from harness.diagnosis.problems.driven import Forced
 from harness.diagnosis.rules import GUARD_SPEED
 from harness.diagnosis.smoothed_state.local_cubics import Smooth, inner, longest_interval, smoothed, smoothed_alike
@@ -116,7 +116,8 @@ class Measured:
             np.concatenate([one.v for one in each]),
             np.concatenate([one.a for one in each]),
             np.concatenate([one.u for one in each]),
-            moving=np.concatenate([one.moving for one in each]),
+            np.concatenate([one.moving for one in each]),
+            {name: np.concatenate([one.covariates[name] for one in each]) for name in each[0].covariates},
             laid=laid,
             level=np.repeat(problem.levels, [one.moving.size for one in each]),
         )
@@ -130,7 +131,8 @@ class Measured:
         at = own.samples
         blocks = slice(at.start // BLOCK, at.stop // BLOCK)
         t, x, v, a, u = (y[at] for y in (self.t, self.x, self.v, self.a, self.u))
-        return Measured(t - own.clock, x, v, a, u, self.moving[blocks])
+        given = {name: values[at] for name, values in self.covariates.items()}
+        return Measured(t - own.clock, x, v, a, u, self.moving[blocks], given)
 
     @property
     def begins(self) -> tuple[int, ...]:
@@ -172,7 +174,7 @@ class Measured:
             return given_force(model, self.t, self.x, self.v, self.a, self.covariates)
         models = (model.of_recording(r) for r in range(len(self.laid)))
         return np.concatenate(
-            [inverse_force(here, o.t, o.x, o.v, o.a) for here, o in zip(models, self.each, strict=True)]
+            [given_force(here, o.t, o.x, o.v, o.a, o.covariates) for here, o in zip(models, self.each, strict=True)]
         )
 
     def held(self, model: Model) -> FloatArray:

@@ -92,8 +92,6 @@ def made(
     blind = {file: f"recording-{number}.csv" for number, file in enumerate(parts, 1)}
     options = dict(parts[after[0]].options)
     if before:
-        # conditions are compared without them
-        options = {name: value for name, value in options.items() if name != "covariate"}
         options |= {
             "before": ",".join(blind[file] for file in before),
             "after": ",".join(blind[file] for file in after),
