@@ -84,6 +84,24 @@ def test_every_joint_is_told_where_none_is_named(case: Path) -> None:
     assert harness.diagnose_joint(case / "log.csv", case / "arm.xml", "all").statement == result["statement"]
 
 
+def test_joints_that_do_not_feel_one_another_are_all_told(tmp_path: Path) -> None:
+    """Two upright axes of a machine: of neither the other's motion decides, and both were meant."""
+    body = '<body><joint name="{}" axis="0 0 1"/><inertial pos="0 0 0" mass="1" diaginertia=".5 .5 .5"/></body>'
+    bodies = "".join(body.format(name) for name in ("left", "right"))
+    (tmp_path / "axes.xml").write_text(f"<mujoco><worldbody>{bodies}</worldbody></mujoco>")
+    t = np.arange(3000) / 250.0
+    columns, rng = [t], np.random.default_rng(2)
+    for f_k, turn in ((0.8, 2.1), (0.3, 3.3)):
+        v, a = 0.8 * turn * np.cos(turn * t), -0.8 * turn**2 * np.sin(turn * t)
+        torque = 0.5 * a + f_k * np.sign(v) + 0.1 * v
+        columns += [0.8 * np.sin(turn * t), torque + 0.01 * rng.standard_normal(t.size)]
+    header = "t,left.position,left.effort,right.position,right.effort"
+    np.savetxt(tmp_path / "log.csv", np.column_stack(columns), delimiter=",", header=header, comments="")
+    found = harness.diagnose_joint(tmp_path / "log.csv", tmp_path / "axes.xml", "all")
+    for joint, f_k in (("left", 0.8), ("right", 0.3)):
+        assert found.refined.parameters[f"{joint}.f_k"].value == pytest.approx(f_k, rel=0.03)
+
+
 def test_the_library_says_what_the_command_says(case: Path) -> None:
     found = harness.diagnose_joint(case / "log.csv", case / "arm.xml", "shoulder")
     assert found.robot is not None

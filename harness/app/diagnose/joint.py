@@ -65,7 +65,7 @@ def diagnose_joint(
         accepted = "a log with its effort, or one in which the others stand still"
         raise InputError(f"{log.file}: {joint}", said, accepted)
     one = None
-    if found.mode == "whole-arm":
+    if found.mode == "whole-arm" or (every and log.effort):
         long_enough(log)
     else:
         for name, value in (("--payload", asked.payload), ("--sensor", asked.sensor)):
