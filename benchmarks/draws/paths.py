@@ -26,7 +26,9 @@ def answer(seed: int, number: int, *, path: str) -> Answer:
     names = {CONTROL: [""], UNKNOWN: shapes_of(path), FORM: forms_of(path)}[group]
     one = made(seed, number, path, group, names[turn % len(names)])
     told = one.answer["arguments"]
-    about = f"{one.answer['form'] or 'nothing'}, worth {one.answer['loss']:.3g}, {' '.join(told) or 'no options'}: "
+    of = "".join({name.partition(":")[0] for name in one.answer["right"] if ": " in name})
+    about = f"{one.answer['form'] or 'nothing'}{of and ' in '}{of}"
+    about += f", worth {one.answer['loss']:.3g}, {' '.join(told) or 'no options'}: "
     with tempfile.TemporaryDirectory() as folder, chdir(folder):
         said: dict[str, Any] = json.loads(answered(OURS, told, one.recording))
     if "error" in said:
@@ -37,7 +39,7 @@ def answer(seed: int, number: int, *, path: str) -> Answer:
         if name in one.answer["base"] and p["value"] is not None and p["stderr"]
     }
     likely = [(" + ".join(h["names"]), round(h["probability"], 2)) for h in said["posterior"][:3]]
-    names = [m["name"] for m in said["mechanisms"]]
+    names = [" of ".join(filter(None, (m["name"], m.get("joint")))) for m in said.get("found", said["mechanisms"])]
     changed = f", to change {sorted(changes(said))} of {one.answer['changes']}" if "changes" in one.answer else ""
     what = f"{outcome(one.answer, said)}, {said['verdict']} {names}, {likely}, errors {off}{changed}"
     return Answer(right(one.answer, said), about + what)

@@ -80,7 +80,13 @@ def diagnosed(recording: bytes, arguments: Sequence[str]) -> dict[str, Any]:
         "noise": noise,
         "posterior": full["posterior"],
     }
+    arm = (full["robot"] or {}).get("arm")
+    if arm is not None:
+        rest["found"] = [{key: one[key] for key in ("name", "joint", "partner", "rivals")} for one in arm["found"]]
     return {name: full[name] for name in kept} | rest
+
+
+_OF_MODELS = ("robot", "joint", "sensor", "servo", "covariate")
 
 
 def _options(named: Mapping[str, Any]) -> DiagnoseOptions:
@@ -89,11 +95,11 @@ def _options(named: Mapping[str, Any]) -> DiagnoseOptions:
     if "covariate" in named:
         named = {**named, "covariates": named["covariate"].split(",")}
     named = {name: float(said) if name in ("mass", "horizon") else said for name, said in named.items()}
-    robot = RobotOptions.chosen(files.pop("robot", None), joint=named.get("joint"))
+    robot = RobotOptions.chosen(files.pop("robot", None), joint=named.get("joint"), sensor=named.get("sensor"))
     if "model" in files:
         # an engine's own file has an engine to be asked
         named = {**named, "engines": ("mujoco",)}
-    rest = {name: said for name, said in named.items() if name not in ("robot", "joint", "servo", "covariate", *files)}
+    rest = {name: said for name, said in named.items() if name not in (*_OF_MODELS, *files)}
     servo = ServoOptions.chosen(named.get("servo"))
     return DiagnoseOptions.chosen(ReadOptions(), robot=robot, servo=servo, **files, **rest)
 

@@ -15,16 +15,19 @@ from harness.core.arrays import FloatArray
 from harness.proof.paths import plant as at
 from harness.proof.paths.plant import SIZE, TABLE
 
-DECAY, SWING, DOWN, SPRING, SHAKEN, AXIS, SLOW, CURVE, TOGETHER, JOINT, SERVO, SIMULATED = PATHS = (
+DECAY, SWING, DOWN, SPRING, SHAKEN, AXIS, SLOW, CURVE, TOGETHER, JOINT, SERVO, SIMULATED, ARM = PATHS = (
     *("free decay", "pendulum", "run-down", "driven on a spring", "driven pendulum", "axis under a controller"),
     *("slow axis", "friction curve", "several together", "robot joint", "servo", "own simulation"),
+    "whole arm",
 )
 """Ways that give a verdict."""
 FIRST = 9
 """Of them those that the published proof has."""
-_SPRUNG, _AXES = (DECAY, SPRING, TOGETHER, SIMULATED), (AXIS, SLOW, JOINT)
+_SPRUNG, _AXES = (DECAY, SPRING, TOGETHER, SIMULATED), (AXIS, SLOW, JOINT, ARM)
 _SWUNG = (*_SPRUNG, SWING, SHAKEN)
 _MOVED = (*_SWUNG, *_AXES)
+_ALONE = _MOVED[:-1]
+"""All of them but an arm's, whose load has an effect of its own and does not sway."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,7 +166,7 @@ FORMS: dict[str, Form] = {
     "two Maxwell arms": Form(("viscoelastic",), _SPRUNG, at.ARM, lambda s, rng: {
         at.ARM: 0.1 * s.k, at.ARM_1: s.slow * _between(rng, 0.3, 3.0), at.ARM_2: s.slow * _between(rng, 3.0, 15.0),
     }),
-    "load on a bearing": Form(_PLACED, _MOVED, at.LOAD, lambda s, rng: {
+    "load on a bearing": Form(_PLACED, _ALONE, at.LOAD, lambda s, rng: {
         at.LOAD: 0.6 * s.f_k, at.LOAD_X: s.far * _between(rng, 0.3, 1.0),
     }),
     "friction along the way": Form(("position-dependent-friction",), _MOVED, at.SLOPE, lambda s, rng: {
@@ -172,7 +175,7 @@ FORMS: dict[str, Form] = {
     "a spring that warms": Form(("stiffness-drift",), _SWUNG, at.SOFT, lambda s, rng: {
         at.SOFT: 0.02 * s.k, at.SOFT_T: s.span * rng.uniform(0.3, 1.0),
     }),
-    "load that sways": Form(("normal-load-variation",), _MOVED, at.SWAY, lambda s, rng: {
+    "load that sways": Form(("normal-load-variation",), _ALONE, at.SWAY, lambda s, rng: {
         at.SWAY: 0.4 * s.f_k, at.SWAY_W: _between(rng, 0.3, 3.0) / s.slow,
     }),
     "hum, clipped": Form(("harmonic-force",), (DECAY, SPRING, AXIS), at.HUM, lambda s, rng: {
@@ -204,8 +207,18 @@ FORMS: dict[str, Form] = {
     "servo, a profile of its goal": Form(("goal-speed-limit",), (SERVO,), at.RAMP, lambda s, rng: {
         at.RAMP: 1.0 / s.fast,
     }),
+    "arm, gears under a preload": Form(("load-dependent-friction",), (ARM,), at.GEAR, lambda s, rng: {
+        at.GEAR: 0.1, at.GEAR_U: s.f_k * _between(rng, 0.5, 2.0),
+    }),
+    "arm, a tool in its hand": Form(("payload",), (ARM,), at.TOOL, lambda s, rng: {at.TOOL: 0.3}),
+    "arm, a motor weaker than said": Form(("motor-constant",), (ARM,), at.WEAK, lambda s, rng: {at.WEAK: 0.1}),
+    "arm, torque through a filter": Form(("torque-delay",), (ARM,), at.FILTER, lambda s, rng: {at.FILTER: 0.008}),
+    "arm, a joint off its mark": Form(("zero-offset",), (ARM,), at.MARK, lambda s, rng: {at.MARK: 0.012}),
+    "arm, a base out of level": Form(("tilt",), (ARM,), at.TILT, lambda s, rng: {at.TILT: 0.03}),
 }  # fmt: skip
 """By a name in words. Among them none of the catalogue's own formulas but that of a delay."""
+OF_MODEL = ("payload", "torque-delay", "zero-offset", "tilt")
+"""Names that are of no joint."""
 NEEDS_BOTH = ("lag, delay", "lag, first order", "lag, second order", "accelerometer that saturates")
 """Forms that show in a free decay only beside the other channel."""
 SHAPES = ("f(x)", "f(v)", "f(x, v)", "f(t)", "hysteresis", "g(x) sgn v")

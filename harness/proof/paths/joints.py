@@ -4,6 +4,7 @@ The log has a torque, or of a servo its goals.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,13 +15,15 @@ from harness.proof.paths.rigs import Rig
 _DEG = 180.0 / np.pi
 _G = 9.81
 _MOVED, _LOCKED = "elbow", "wrist"
-_LAYOUTS: Sequence[tuple[str, float, str, float, str, str, str]] = (
-    ("t [s]", 1.0, "{}.position [rad]", 1.0, "{}.velocity [rad/s]", "{}.effort [N*m]", "ew"),
-    ("__time", 1.0, "/joint_states/{}/position", 1.0, "/joint_states/{}/velocity", "/joint_states/{}/effort", "we"),
-    ("time_ms", 1e3, "{}.position [deg]", _DEG, "{}.velocity [rad/s]", "{}_torque", "ew"),
-    ("timestamp", 1.0, "q{}", 1.0, "dq{}", "tau{}", "ew"),
+Layout = tuple[str, float, str, float, str, str, bool]
+"""Header of the time and its unit over s, of positions and theirs, of speeds and torques; whether the last joint of an
+arm is the first."""
+_LAYOUTS: Sequence[Layout] = (
+    ("t [s]", 1.0, "{}.position [rad]", 1.0, "{}.velocity [rad/s]", "{}.effort [N*m]", False),
+    ("__time", 1.0, "/joint_states/{}/position", 1.0, "/joint_states/{}/velocity", "/joint_states/{}/effort", True),
+    ("time_ms", 1e3, "{}.position [deg]", _DEG, "{}.velocity [rad/s]", "{}_torque", False),
+    ("timestamp", 1.0, "q{}", 1.0, "dq{}", "tau{}", False),
 )
-"""Header of the time and its unit over s, of positions and theirs, of speeds and torques; in which order joints are."""
 _GOALS: Sequence[tuple[str, float, str, str, float]] = (
     ("t [s]", 1.0, "{}.goal", "{}.position", 1.0),
     ("time_ms", 1e3, "{}.goal [deg]", "{}.position [deg]", _DEG),
@@ -51,20 +54,32 @@ def _table(columns: Mapping[str, Sequence[str]]) -> str:
     return "\n".join([",".join(columns), *map(",".join, zip(*columns.values(), strict=True))]) + "\n"
 
 
+def layout(rng: Rng) -> Layout:
+    """One of those that loggers have."""
+    return _LAYOUTS[int(rng.integers(len(_LAYOUTS)))]
+
+
 def _of_torque(rng: Rng, t: FloatArray, channels: Mapping[str, FloatArray]) -> str:
-    time, ms, place, degrees, speed, torque, order = _LAYOUTS[int(rng.integers(len(_LAYOUTS)))]
+    chosen = layout(rng)
     at, weight, n = rng.uniform(-1.0, 1.0), rng.uniform(-0.05, 0.05) * float(np.std(channels["u"])), t.size
     still = {
         "x": at + 2e-6 * np.round(rng.standard_normal(n)),
         "v": 1e-4 * rng.standard_normal(n),
         "u": weight + 0.002 * abs(weight) * rng.standard_normal(n),
     }
+    return torques(chosen, t, {_MOVED: channels, _LOCKED: still})
+
+
+def torques(layout: Layout, t: FloatArray, channels: Mapping[str, Mapping[str, FloatArray]]) -> str:
+    """A log: channels of the first joint, from the base, are those of all."""
+    time, ms, place, degrees, speed, torque, backwards = layout
     stamps = (_EPOCH if time == "__time" else 0.0) + ms * t
     columns = {time: [f"{one:.6f}" for one in stamps]}
+    names = list(channels)
     for head, c, unit in ((place, "x", degrees), (speed, "v", 1.0), (torque, "u", 1.0)):
-        for which in order if c in channels else "":
-            name = (_MOVED if which == "e" else _LOCKED) if head[0] not in "qdt" else str(1 + "ew".index(which))
-            columns[head.format(name)] = [f"{unit * y:.8g}" for y in (channels if which == "e" else still)[c]]
+        for name in (reversed(names) if backwards else names) if c in channels[names[0]] else ():
+            called = name if head[0] not in "qdt" else str(1 + names.index(name))
+            columns[head.format(called)] = [f"{unit * y:.8g}" for y in channels[name][c]]
     return _table(columns)
 
 
@@ -82,62 +97,79 @@ def described(rng: Rng, rig: Rig, free: bool) -> tuple[dict[str, str], list[str]
     up = -rig.zero - 0.5 * np.pi if pull else rng.uniform(-3.0, 3.0)
     out = (np.cos(up), 0.0, np.sin(up)) if pull else (np.cos(up), np.sin(up), 0.0)
     axis = (0.0, -1.0, 0.0) if pull else (0.0, 0.0, 1.0)
-    centre = [far * one for one in out] if pull else [0.0, 0.0, 0.0]
-    arm = ((1.0 - hand) * mass, centre, turning - tip), (hand * mass, [far * one for one in out], tip)
-    text, name = (_mjcf(arm, axis, out), "robot.xml") if rng.random() < 0.5 else (_urdf(arm, axis, out), "robot.urdf")
+    none = (0.0, 0.0, 0.0)
+    end = (far * out[0], far * out[1], far * out[2])
+    links = (
+        Link(
+            "forearm", _MOVED, (0.0, 0.0, 1.0), axis, (1.0 - hand) * mass, end if pull else none, (turning - tip,) * 3
+        ),
+        Link("hand", _LOCKED, end, out, hand * mass, none, (tip,) * 3),
+    )
+    text, name = (mjcf(links), "robot.xml") if rng.random() < 0.5 else (urdf(links), "robot.urdf")
     servo = [] if rig.driven else ["--servo", "sts3215:16"]
     return {name: text}, [*servo, "--robot", name, *([] if free else ["--joint", _MOVED])]
 
 
-_Body = tuple[float, Sequence[float], float]
-"""Mass, centre of mass (of the second body: its joint, through which it goes), inertia about it, alike in all axes."""
-_Three = Sequence[float]
+_Three = tuple[float, float, float]
 
 
-def _said(three: _Three) -> str:
+@dataclass(frozen=True, slots=True)
+class Link:
+    """A body and the hinge that it is on.
+
+    at : the hinge, in the body before, m. axis : its own, in both. mass : kg. centre : of mass, m. turning : inertia
+    about it, kg m^2. rotor : kg m^2 at the hinge. long : to the next hinge, m.
+    """
+
+    body: str
+    joint: str
+    at: _Three
+    axis: _Three
+    mass: float
+    centre: _Three
+    turning: _Three
+    rotor: float = 0.0
+    long: float = 0.0
+
+    @property
+    def numbers(self) -> list[float]:
+        """As a chain has them."""
+        return [*self.at, *self.axis, self.mass, *self.centre, *self.turning, self.rotor]
+
+
+def _said(three: Sequence[float]) -> str:
     return " ".join(f"{one:.9g}" for one in three)
 
 
-def _mjcf(arm: tuple[_Body, _Body], axis: _Three, along: _Three) -> str:
-    (mass, centre, turning), (hand, at, tip) = arm
-    return f"""<mujoco model="arm">
-  <compiler angle="radian"/>
-  <option gravity="0 0 -{_G}"/>
-  <worldbody>
-    <body name="forearm" pos="0 0 1">
-      <joint name="{_MOVED}" type="hinge" axis="{_said(axis)}"/>
-      <inertial pos="{_said(centre)}" mass="{mass:.9g}" diaginertia="{_said([turning] * 3)}"/>
-      <body name="hand" pos="{_said(at)}">
-        <joint name="{_LOCKED}" type="hinge" axis="{_said(along)}"/>
-        <inertial pos="0 0 0" mass="{hand:.9g}" diaginertia="{_said([tip] * 3)}"/>
-      </body>
-    </body>
-  </worldbody>
-</mujoco>
-"""
+def mjcf(links: Sequence[Link]) -> str:
+    """A chain."""
+    lines, ends = list[str](), list[str]()
+    for depth, link in enumerate(links):
+        space = "  " * (2 + depth)
+        rotor = f' armature="{link.rotor:.9g}"' if link.rotor else ""
+        lines += [
+            f'{space}<body name="{link.body}" pos="{_said(link.at)}">',
+            f'{space}  <joint name="{link.joint}" type="hinge" axis="{_said(link.axis)}"{rotor}/>',
+            f'{space}  <inertial pos="{_said(link.centre)}" mass="{link.mass:.9g}"'
+            f' diaginertia="{_said(link.turning)}"/>',
+        ]
+        ends.insert(0, f"{space}</body>")
+    head = ['<mujoco model="arm">', '  <compiler angle="radian"/>', f'  <option gravity="0 0 -{_G}"/>', "  <worldbody>"]
+    return "\n".join([*head, *lines, *ends, "  </worldbody>", "</mujoco>"]) + "\n"
 
 
-def _urdf(arm: tuple[_Body, _Body], axis: _Three, along: _Three) -> str:
-    (mass, centre, turning), (hand, at, tip) = arm
-
-    def link(name: str, mass: float, at: _Three, turning: float) -> str:
-        turns = " ".join(f'i{a}="{turning if a[0] == a[1] else 0.0:.9g}"' for a in ("xx", "yy", "zz", "xy", "xz", "yz"))
-        origin = f'<origin xyz="{_said(at)}" rpy="0 0 0"/>'
-        inertial = f'<inertial>{origin}<mass value="{mass:.9g}"/><inertia {turns}/></inertial>'
-        return f'  <link name="{name}">{inertial}</link>'
-
-    def joint(name: str, ends: tuple[str, str], at: _Three, axis: _Three) -> str:
-        origin = f'<origin xyz="{_said(at)}" rpy="0 0 0"/><axis xyz="{_said(axis)}"/>'
-        whose = f'<parent link="{ends[0]}"/><child link="{ends[1]}"/>'
-        return f'  <joint name="{name}" type="continuous">{whose}{origin}</joint>'
-
-    lines = [
-        '<robot name="arm">',
-        '  <link name="base"/>',
-        link("forearm", mass, centre, turning),
-        link("hand", hand, (0.0, 0.0, 0.0), tip),
-        joint(_MOVED, ("base", "forearm"), (0.0, 0.0, 1.0), axis),
-        joint(_LOCKED, ("forearm", "hand"), at, along),
-        "</robot>",
-    ]
-    return "\n".join(lines) + "\n"
+def urdf(links: Sequence[Link]) -> str:
+    """The same; a rotor has no word."""
+    lines = ['<robot name="arm">', '  <link name="base"/>']
+    for link in links:
+        about = dict(zip("xyz", link.turning, strict=True))
+        pairs = ("xx", "yy", "zz", "xy", "xz", "yz")
+        turns = " ".join(f'i{a}="{about[a[0]] if a[0] == a[1] else 0.0:.9g}"' for a in pairs)
+        origin = f'<origin xyz="{_said(link.centre)}" rpy="0 0 0"/>'
+        inertial = f'<inertial>{origin}<mass value="{link.mass:.9g}"/><inertia {turns}/></inertial>'
+        lines.append(f'  <link name="{link.body}">{inertial}</link>')
+    for before, link in zip(("base", *(one.body for one in links)), links, strict=False):
+        origin = f'<origin xyz="{_said(link.at)}" rpy="0 0 0"/><axis xyz="{_said(link.axis)}"/>'
+        whose = f'<parent link="{before}"/><child link="{link.body}"/>'
+        lines.append(f'  <joint name="{link.joint}" type="continuous">{whose}{origin}</joint>')
+    return "\n".join([*lines, "</robot>"]) + "\n"

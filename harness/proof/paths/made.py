@@ -10,8 +10,10 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.proof.paths import joints, simulated
+from harness.proof.paths.arms import Arm, draw_arm
 from harness.proof.paths.files import packed, written
 from harness.proof.paths.forms import (
+    ARM,
     AXIS,
     CURVE,
     DECAY,
@@ -61,7 +63,7 @@ def shapes_of(path: str) -> list[str]:
         return ["f(x)", "g(x) sgn v"]
     if path in (CURVE, DOWN):
         return ["f(v)"]
-    return [shape for shape in SHAPES if path not in (AXIS, SLOW, JOINT) or shape != "f(t)"]
+    return [shape for shape in SHAPES if path not in (AXIS, SLOW, JOINT, ARM) or shape != "f(t)"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +79,8 @@ def made(seed: int, index: int, path: str, group: str, form: str) -> Made:
     rng = np.random.default_rng([seed, 5, index])
     for _ in range(TRIES):
         # one direction of a curve does not tell that two are unlike
-        rig = draw_rig(path, rng, form in NEEDS_BOTH or (path == CURVE and form.startswith("valve")))
+        both = form in NEEDS_BOTH or (path == CURVE and form.startswith("valve"))
+        rig = draw_arm(rng) if path == ARM else draw_rig(path, rng, both)
         tables, p = NONE, BARE
         if group == CONTROL:
             return _logged(rng, rig, p, tables, {**_about(form, group), "loss": 0.0, "right": []})
@@ -86,11 +89,11 @@ def made(seed: int, index: int, path: str, group: str, form: str) -> Made:
             one = FORMS[form]
             p = numbers(one.numbers(scales, rng), scales)
             worth = _scaled(rng, rig, p, one, tables)
-            right, taken = list(one.right), {}
+            right, taken = rig.right(one.right) if isinstance(rig, Arm) else list(one.right), {}
         else:
             p, tables = unknown(form, scales, rng)
             worth = _scaled(rng, rig, p, None, tables)
-            of_law = laws_of(rig, p, tables) if worth > LEAST and path != SERVO else {}
+            of_law = _laws(rig, p, tables) if worth > LEAST and path != SERVO else {}
             taken = {n: part for n, part in of_law.items() if part > KNOWN}
             right = sorted(taken, key=lambda name: -taken[name])
         if worth > LEAST:
@@ -103,7 +106,17 @@ def _about(form: str, group: str) -> dict[str, Any]:
     return {"group": group, "form": form}
 
 
-def _scaled(rng: Rng, rig: Rig, p: FloatArray, form: Form | None, tables: FloatArray) -> float:
+def _worth(rig: Rig | Arm, p: FloatArray, tables: FloatArray) -> float:
+    return rig.loss(p, tables) if isinstance(rig, Arm) else loss(rig, p, tables)
+
+
+def _laws(rig: Rig | Arm, p: FloatArray, tables: FloatArray) -> dict[str, float]:
+    if isinstance(rig, Rig):
+        return laws_of(rig, p, tables)
+    return {name: part for law, part in rig.laws_of(p, tables).items() for name in rig.right((law,))}
+
+
+def _scaled(rng: Rng, rig: Rig | Arm, p: FloatArray, form: Form | None, tables: FloatArray) -> float:
     """Make an effect as strong as a drawn loss asks for, in place; the loss that it comes to."""
     from harness.proof.paths.plant import UNKNOWN as OF_NONE
 
@@ -111,7 +124,7 @@ def _scaled(rng: Rng, rig: Rig, p: FloatArray, form: Form | None, tables: FloatA
     limit, wanted = MOST * p[place], _between(rng, *LOSSES)
     power, before = 2.0, (0.0, 0.0)
     for _ in range(TURNS):
-        worth = loss(rig, p, tables)
+        worth = _worth(rig, p, tables)
         if 0.8 < worth / wanted < 1.25 or (worth < wanted and p[place] == limit):
             break
         if not math.isfinite(worth):
@@ -122,10 +135,12 @@ def _scaled(rng: Rng, rig: Rig, p: FloatArray, form: Form | None, tables: FloatA
             power = min(max((here[1] - before[1]) / (here[0] - before[0]), 0.5), 12.0)
         before = here
         p[place] = min(p[place] * min(max((wanted / max(worth, 1e-6)) ** (1.0 / power), 0.02), 50.0), limit)
-    return loss(rig, p, tables)
+    return _worth(rig, p, tables)
 
 
-def _logged(rng: Rng, rig: Rig, p: FloatArray, tables: FloatArray, about: Mapping[str, Any]) -> Made:
+def _logged(rng: Rng, rig: Rig | Arm, p: FloatArray, tables: FloatArray, about: Mapping[str, Any]) -> Made:
+    if isinstance(rig, Arm):
+        return _of_arm(rng, rig, p, tables, about)
     rigs = [rig]
     if rig.path == TOGETHER:
         several = int(rng.integers(3, 6))
@@ -178,10 +193,21 @@ def _logged(rng: Rng, rig: Rig, p: FloatArray, tables: FloatArray, about: Mappin
     if rig.path == SERVO:
         # without a model torques have no scale
         base = {} if free else {"f_k": f_k, "c": c - BRAKE}
+    return _answered(rig, files, p, about, points=total, arguments=arguments, told=not free, base=base, base_r2=[r2])
+
+
+def _of_arm(rng: Rng, arm: Arm, p: FloatArray, tables: FloatArray, about: Mapping[str, Any]) -> Made:
+    files, arguments, told = arm.files(rng, p, tables)
+    each = zip(arm.names, arm.b, strict=True)
+    base = {f"{name}.{number}": float(b[at]) for name, b in each for number, at in (("c", 1), ("f_k", 3))}
+    n = -(-len(arm.goal) // arm.every)
+    return _answered(arm, files, p, about, points=n, arguments=arguments, told=told, base=base, base_r2=[])
+
+
+def _answered(rig: Rig | Arm, files: Mapping[str, str], p: FloatArray, about: Mapping[str, Any], **more: Any) -> Made:
     return Made(packed(files), {
         **about, "mechanisms": about["right"][:1], "source": "path", "setting": rig.path, "channels": rig.channels,
-        "points": total, "arguments": arguments, "told": not free, "base": base,
-        "base_chi2_excess": 2.0 * about["loss"], "base_r2": [r2],
+        **more, "base_chi2_excess": 2.0 * about["loss"],
         "numbers": {str(i): float(value) for i, value in enumerate(p) if value},
     })  # fmt: skip
 

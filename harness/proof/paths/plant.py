@@ -17,7 +17,8 @@ from harness.core.jit import compiled
  STOP_X, STOP_FORM, PLAY, PLAY_X, HARD, HARD_X, HARD_FORM, SIDES, SIDES_V, SIDES_FORM, COG, COG_L, COG_P, ARM, ARM_1,
  ARM_2, LOAD, LOAD_X, SLOPE, SLOPE_X, WARM, WARM_T, WARM_FORM, SOFT, SOFT_T, SWAY, SWAY_W, HUM, HUM_W, PULSE, PULSE_T,
  PULSE_L, MODE, MODE_W, MODE_Z, UNKNOWN, UNKNOWN_FORM, UNKNOWN_X, UNKNOWN_V, UNKNOWN_T, FAST, LATE, LATE_FORM, CLIP,
- WANDER, WANDER_T, GEAR, GEAR_U, SAG, LIMIT, DEAD, RAMP, SIZE) = range(65)  # fmt: skip
+ WANDER, WANDER_T, GEAR, GEAR_U, SAG, LIMIT, DEAD, RAMP, TOOL, WEAK, FILTER, MARK, TILT,
+ SIZE) = range(70)  # fmt: skip
 # places in the state: motion, bristle, two arms, what is attached, work against friction, hysteresis, elements
 X, V, Z, Y1, Y2, X2, V2, WORK, LOOP, ELEMENTS = range(10)
 _MANY: Final = 4

@@ -38,7 +38,7 @@ _NOISE = {"x": 0, "v": 0, "a": 1, "u": 2}
 _FAST = 1
 """Place of the noise of a joint's speed, which is logged beside its position."""
 _SMALL = 1e-6
-_COMMANDED = 1e-4
+COMMANDED = 1e-4
 """Of its rms, what an amplifier adds to a force that is logged as it was asked for: none gives it better, and without
 it an effect of a hundred thousandth of the friction would show."""
 WINDOWS = 12
@@ -149,7 +149,8 @@ def loss(rig: Rig, p: FloatArray, tables: FloatArray = NONE) -> float:
         off = _without(run[:, 3], [run[:, 1], np.sign(run[:, 1])])
         return 0.5 * float(np.sum((off / rig.sigma[2]) ** 2))
     if rig.path in (AXIS, SLOW, JOINT):
-        return _loss_in_windows(rig, run)
+        extra, columns = extra_force(rig, run)
+        return followed(extra, run[:, 1], columns, rig.dt, rig.b[0], rig.sigma[0], rig.sigma[2], effective(rig))
     if rig.path == SERVO:
         off = run[:, 0] - rig.run(BARE)[:, 0]
         return 0.5 * float(np.sum((_without(off, _moved(rig)) / rig.sigma[0]) ** 2))
@@ -168,8 +169,11 @@ def loss(rig: Rig, p: FloatArray, tables: FloatArray = NONE) -> float:
 
     scale = [1e-3, 0.1, 1e-3, 0.1, 1e-3, 1e-3]
     found = least_squares(left, np.zeros(6), x_scale=scale, diff_step=_SMALL, max_nfev=15)
-    by_force = _left_of_force(rig, run)[1] if rig.driven else math.inf
-    return min(float(found.cost) * effective(rig), by_force)
+    worth = float(found.cost) * effective(rig)
+    if not rig.driven:
+        return worth
+    extra, columns = extra_force(rig, run)
+    return min(worth, _left(extra, run[:, 1], columns, rig.sigma[2])[1])
 
 
 @lru_cache(maxsize=2)
@@ -208,35 +212,44 @@ def extra_force(rig: Rig, run: FloatArray) -> tuple[FloatArray, list[FloatArray]
     return u - rig.b[0] * a - np.array(bare), own
 
 
-def _left_of_force(rig: Rig, run: FloatArray) -> tuple[FloatArray, float]:
-    """What the base leaves of the force along a motion, N, (n,), and what that is worth beside its noise."""
-    extra, columns = extra_force(rig, run)
-    moving = np.abs(run[:, 1]) > 0.01 * np.max(np.abs(run[:, 1]))
+def _left(extra: FloatArray, v: FloatArray, columns: list[FloatArray], sigma: float) -> tuple[FloatArray, float]:
+    """What columns leave of a force along a motion, N, (n,), and what that is worth beside its noise."""
+    moving = np.abs(v) > 0.01 * np.max(np.abs(v))
     extra = np.where(moving, extra, 0.0)
     extra[moving] = _without(extra[moving], [c[moving] for c in columns])
-    by_force = 0.5 * float(np.sum((extra / rig.sigma[2]) ** 2)) if rig.sigma[2] > 0.0 else math.inf
-    return extra, by_force
+    return extra, 0.5 * float(np.sum((extra / sigma) ** 2)) if sigma > 0.0 else math.inf
 
 
-def _loss_in_windows(rig: Rig, run: FloatArray) -> float:
-    extra, by_force = _left_of_force(rig, run)
+def followed(
+    extra: FloatArray, v: FloatArray, columns: list[FloatArray], dt: float, m: float, x: float, u: float,
+    worth: float = 1.0,
+) -> float:  # fmt: skip
+    """Loss of what columns leave of a force, (n,): as far as it moves a mass m within windows beyond the noise x of its
+    position, samples of which are ``worth`` so much, or as it stands out of the noise u of the force, what is less."""
+    left, by_force = _left(extra, v, columns, u)
     total = 0.0
-    for part in np.array_split(np.arange(extra.size), WINDOWS):
+    for part in np.array_split(np.arange(left.size), WINDOWS):
         s: FloatArray = part.astype(np.float64) - float(part[0])
-        y = np.cumsum(np.cumsum(extra[part])) * rig.dt**2 / rig.b[0]
+        y = np.cumsum(np.cumsum(left[part])) * dt**2 / m
         total += float(np.sum(_without(y, [np.ones(s.size), s]) ** 2))
-    return min(0.5 * total / rig.sigma[0] ** 2 * effective(rig), by_force)
+    return min(0.5 * total / x**2 * worth, by_force)
 
 
 def laws_of(rig: Rig, p: FloatArray, tables: FloatArray) -> dict[str, float]:
     """The share of an unknown effect's squares that each law of the catalogue takes beside the base."""
     run = rig.run(p, tables)
-    extra, columns = extra_force(rig, run)
-    moving = np.abs(run[:, 1]) > 0.02 * np.max(np.abs(run[:, 1]))
+    return projected(run[:, 0], run[:, 1], rig.dt, *extra_force(rig, run))
+
+
+def projected(
+    x: FloatArray, v: FloatArray, dt: float, extra: FloatArray, columns: list[FloatArray]
+) -> dict[str, float]:
+    """The share of a force's squares, (n,), that each law takes beside columns along a motion."""
+    moving = np.abs(v) > 0.02 * np.max(np.abs(v))
     basis = orth(np.column_stack([c[moving] / max(np.max(np.abs(c)), 1e-300) for c in columns]), 1e-9)
     y = extra[moving] - basis @ (basis.T @ extra[moving])
     found: dict[str, float] = {}
-    for name, tries in laws(run[moving, 0], run[moving, 1], rig.dt * np.flatnonzero(moving).astype(np.float64)).items():
+    for name, tries in laws(x[moving], v[moving], dt * np.flatnonzero(moving).astype(np.float64)).items():
         for law in tries:
             own = np.atleast_2d(law).T
             left = _without(y, [*(own - basis @ (basis.T @ own)).T])
@@ -290,7 +303,7 @@ def _with_sensors(rig: Rig, rng: Rng) -> Rig:
     encoder = rig.path == AXIS or ("x" in rig.channels and rng.random() < 0.3)
     count = (rig.numbers[0] if rig.path == AXIS else far * coarse * 3.0) if encoder else 0.0
     noisy = rig.driven and (not rig.held or rng.random() < 0.3)
-    force = float(np.std(run[:, 3])) * (_between(rng, 3e-4, 2e-2) if noisy else rig.driven * _COMMANDED)
+    force = float(np.std(run[:, 3])) * (_between(rng, 3e-4, 2e-2) if noisy else rig.driven * COMMANDED)
     sigma = (count / math.sqrt(12.0) if encoder else far * coarse, hard * _between(rng, 2e-3, 2e-2), force)
     colour = float(rng.uniform(0.2, 0.7)) if not encoder and rng.random() < 0.25 else 0.0
     moved = rig.path != SPRING and "x" in rig.channels and rng.random() < 0.5

@@ -1,7 +1,8 @@
 """How well verdicts on the ways match the truth: right is the mechanism, whatever its formula.
 
 A name claims where it is graded "main" or "explains", a list where it has three names at most. A second name that is
-none of the mechanism makes the whole wrong, and so does a short list without it.
+none of the mechanism makes the whole wrong, and so does a short list without it. Of a whole arm every entry claims,
+small ones too, and of the joint that it names.
 """
 
 import math
@@ -11,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from harness.proof.machines.score import Claim, holdout_ratio
+from harness.proof.paths.forms import OF_MODEL
 from harness.proof.paths.made import CONTROL, LOSSES, UNKNOWN
 from harness.proof.statistics import Asked, Figure, Median, Rate, figures, resampled
 from harness.results.prove import PathLevel, PathResult, PathsResult, ReliabilityBin
@@ -44,6 +46,8 @@ def outcome(truth: Truth, result: Result | None) -> str:
 
     Of a control beside a simulation of the user's own so is a change of it that is none of ``changes``.
     """
+    if "found" in (result or {}):
+        return _of_arm(set(truth["right"]), (result or {})["found"])
     claim, right = Claim.of(result), set(truth["right"])
     mains = {m["name"] for m in (result or {}).get("mechanisms", []) if m.get("grade") in ("main", "explains")}
     listed = claim.near if claim.main == "" and len(claim.near) <= LONGEST else frozenset()
@@ -53,6 +57,18 @@ def outcome(truth: Truth, result: Result | None) -> str:
         return LISTED if listed & right else WRONG
     beside_own = "changes" in truth and truth["group"] == CONTROL
     return WRONG if beside_own and changes(result) - set(truth["changes"]) else SILENT
+
+
+def _of_arm(right: set[str], found: Iterable[Mapping[str, Any]]) -> str:
+    """Of an arm whatever is found claims, with the joint it is of: one entry of a joint that has nothing is wrong."""
+    said = []
+    for one in found:
+        named, listed = (
+            {f"{one['joint']}: {name}" if one["joint"] and name not in OF_MODEL else name for name in names}
+            for names in ((one["name"],), one["rivals"])
+        )
+        said.append(NAMED if named & right else LISTED if listed & right else WRONG)
+    return next((what for what in (WRONG, LISTED, NAMED) if what in said), SILENT)
 
 
 def changes(result: Result | None) -> set[str]:
