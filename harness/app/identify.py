@@ -33,9 +33,9 @@ from harness.estimate import slowing
 from harness.estimate.result import Estimate, Estimation
 from harness.io.options import ReadOptions
 from harness.model.model import Restoring
-from harness.results.common import MotionResult, P
+from harness.results.common import MotionResult, P, Swing
 from harness.results.diagnosis import FitResult
-from harness.results.identify import IdentifyResult, SlowingResult, Swing
+from harness.results.identify import IdentifyResult, SlowingResult
 from harness.show.report.identify import identify_page, recording_scene
 
 _MISSES = 2.0

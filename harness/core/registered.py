@@ -5,18 +5,27 @@ importlib.metadata is imported where it is used: it takes longer than all else t
 
 from collections.abc import Iterator
 from functools import cache
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from harness.core.errors import InputError
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 T = TypeVar("T")
 
 
-def names(group: str) -> set[str]:
-    """Names of the entry points of a group, whether they load or not."""
+@cache
+def points(group: str) -> "tuple[EntryPoint, ...]":
+    """The entry points of a group by name, read once a process: reading opens a file of each package."""
     from importlib.metadata import entry_points
 
-    return entry_points(group=group).names
+    return tuple(sorted(entry_points(group=group), key=lambda point: point.name))
+
+
+def names(group: str) -> set[str]:
+    """Names of the entry points of a group, whether they load or not."""
+    return {point.name for point in points(group)}
 
 
 def registered(group: str, kind: type[T], what: str, name: str | None = None) -> Iterator[tuple[str, T]]:
@@ -24,9 +33,7 @@ def registered(group: str, kind: type[T], what: str, name: str | None = None) ->
 
     Raises InputError for a package that does not load, and for an object that is no ``kind``.
     """
-    from importlib.metadata import entry_points
-
-    for point in sorted(entry_points(group=group), key=lambda p: p.name):
+    for point in points(group):
         if name not in (None, point.name):
             continue
         try:

@@ -5,9 +5,10 @@ NAME@PYTHON is the engine NAME in another interpreter: another version of it, or
 
 import sys
 from collections.abc import Sequence
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import EntryPoint
 from importlib.util import find_spec
 
+from harness.core import registered
 from harness.core.checks import positive
 from harness.core.errors import InputError, SimulationError, did_you_mean
 from harness.engines.base import PRESETS, Engine, Preset, choice
@@ -36,7 +37,7 @@ def _is_there(package: str) -> bool:
 
 
 def _found() -> dict[str, EntryPoint]:
-    return {point.name: point for point in entry_points(group=GROUP)}
+    return {point.name: point for point in registered.points(GROUP)}
 
 
 def names() -> tuple[str, ...]:

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from harness.core.arrays import FloatArray
 from harness.estimate.noise import Noise
@@ -112,6 +111,8 @@ def _fitted(
 
     Errors allow for a misfit and its memory.
     """
+
+    from scipy.optimize import least_squares  # where it is needed: it is slow to import
 
     def residual(at: FloatArray) -> FloatArray:
         found = shown(at)

@@ -44,6 +44,8 @@ class Result(BaseModel):
         return sorted({*type(self).model_fields, *does} - hidden)
 
 
+Swing = Literal["spring", "pendulum"]
+"""What pulls back."""
 Curves = Mapping[str, Mapping[str, np.ndarray]]
 """Motions by name: t, x, v, a and what else there is of each, (n,), SI units."""
 

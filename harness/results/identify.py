@@ -4,12 +4,9 @@ from typing import Literal
 
 from pydantic import Field
 
-from harness.results.common import DampingResult, Machine, MotionResult, P, Paged, RecordingInfo, Result, rare
+from harness.results.common import DampingResult, Machine, MotionResult, P, Paged, RecordingInfo, Result, Swing, rare
 from harness.results.diagnosis import FitResult
 from harness.results.run import Estimates
-
-Swing = Literal["spring", "pendulum"]
-"""What pulls back."""
 
 
 class SlowingResult(Result):

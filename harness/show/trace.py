@@ -18,7 +18,6 @@ from rerun.chunk import RrdReader
 from rerun.error_utils import RerunWarning
 from rerun.experimental import ViewerClient
 from rerun.urdf import UrdfTree
-from scipy.spatial.transform import Rotation
 
 from harness.core.apart import Found
 from harness.core.arrays import FloatArray
@@ -317,6 +316,8 @@ def _send_robot(place: str, bodies: Bodies, recording: rr.RecordingStream) -> No
 
 def _shape(shape: Shape) -> Any:
     """A shape of a body, filled (the viewer's default is its edges)."""
+    from scipy.spatial.transform import Rotation  # of robots alone, and slow to import
+
     w, x, y, z = shape.turn.tolist()
     turn = Rotation.from_quat([x, y, z, w])
     place: dict[str, Any] = {"quaternions": [(x, y, z, w)], "colors": [shape.color]}

@@ -8,7 +8,6 @@ import tomllib
 from collections.abc import Iterator
 from importlib.metadata import EntryPoint
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -22,6 +21,7 @@ from harness.app.shared.reading import ReadOptions
 from harness.app.sweep.regress import counterpart
 from harness.app.sweep.sweep import SweepOptions, engines_for, sweep
 from harness.cli.main import run
+from harness.core import registered
 from harness.core.errors import InputError, SimulationError
 from harness.engines import registry
 from harness.engines.base import Engine, Task
@@ -226,13 +226,12 @@ def point(name: str, value: str) -> EntryPoint:
 
 
 def test_what_is_no_engine_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(registry, "entry_points", lambda group: (point("odd", "collections:OrderedDict"),))
+    monkeypatch.setattr(registered, "points", lambda group: (point("odd", "collections:OrderedDict"),))
     with pytest.raises(SimulationError, match=r"engine odd: collections:OrderedDict is not a harness\.engines"):
         registry.load("odd")
 
 
 def test_without_any_engine_the_message_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
-    nothing: tuple[Any, ...] = ()
-    monkeypatch.setattr(registry, "entry_points", lambda group: nothing)
+    monkeypatch.setattr(registered, "points", lambda group: ())
     with pytest.raises(InputError, match="an installed package that registers engines"):
         registry.load("mujoco")

@@ -5,7 +5,6 @@ import os
 import shutil
 import subprocess
 import sys
-from importlib import metadata
 from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ import pytest
 import third_party_terms
 
 import harness
+from harness.core import registered
 from harness.core.errors import InputError
 from harness.model import registry
 
@@ -127,6 +127,6 @@ BAD = [
 
 @pytest.mark.parametrize(("value", "message"), BAD)
 def test_what_is_no_term_is_refused(value: str, message: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(metadata, "entry_points", lambda group: (EntryPoint("mine", value, registry.GROUP),))
+    monkeypatch.setattr(registered, "points", lambda group: (EntryPoint("mine", value, registry.GROUP),))
     with pytest.raises(InputError, match=message):
         registry._catalogue()

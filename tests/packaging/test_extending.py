@@ -15,7 +15,7 @@ import pytest
 
 import harness
 from harness.cli.main import run
-from harness.core import apart
+from harness.core import apart, registered
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
@@ -68,6 +68,7 @@ def _points(groups: Mapping[str, Mapping[str, str]]) -> str:
 
 def _forget() -> None:
     apart.dismiss()  # whoever reads for others knows their readers alone
+    registered.points.cache_clear()
     scenarios.kinds.cache_clear()
     readers.by_suffix.cache_clear()
 
@@ -136,6 +137,7 @@ def test_a_scenario_in_the_folder_is_run(package: Path, monkeypatch: pytest.Monk
     folder.mkdir()
     (package / "my_scenario.py").rename(folder / "my_scenario.py")
     (package / "my_rig-1.dist-info" / "entry_points.txt").write_text("")
+    _forget()
     monkeypatch.setattr(own_scenarios, "__path__", [*own_scenarios.__path__, str(folder)])
     assert shipped_creep("hold-80", package) == pytest.approx(1.6 * shipped_creep("hold-50", package), rel=0.05)
 
@@ -161,6 +163,7 @@ def test_what_another_package_must_not_do_is_refused(
     package: Path, group: str, line: str, look: object, message: str
 ) -> None:
     (package / "my_rig-1.dist-info" / "entry_points.txt").write_text(f"[{group}]\n{line}\n")
+    _forget()
     assert callable(look)
     with pytest.raises(InputError, match=message):
         look()

@@ -12,7 +12,7 @@ from harness.estimate.every import estimate_all
 from harness.estimate.result import Estimation
 from harness.estimate.saturation import believed, without_limited
 from harness.model.model import Model, Restoring
-from harness.results.identify import Swing
+from harness.results.common import Swing
 from harness.results.run import Estimates
 
 NOTE = "Read as a pendulum: omega_n is that of small swings; reversals are those of a spring with the same parameters."

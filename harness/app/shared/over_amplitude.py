@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
 from harness.app.shared.deliver import write_text
 from harness.core.events import EventKind
@@ -13,6 +12,7 @@ from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.estimate.over_amplitude import OverAmplitude, measured
 from harness.results.common import DampingResult
+from harness.show.plots import position_at
 
 _AT_REST = 1e-6
 """Of its largest speed, from which a model begins at a turning point."""
@@ -55,8 +55,7 @@ def _of_model(motion: Trajectory) -> OverAmplitude | None:
         begins = begins[: int(abs(motion.v[i]) <= _LET_GO * abs(motion.a[i]) * interval)]
     first = begins[0] if begins.size else motion.t[0]
     times = np.concatenate((begins, times[(times > first) & (times <= motion.t[-1])]))
-    x = CubicHermiteSpline(motion.t, motion.x, motion.v)(times)
-    return OverAmplitude.of(times, x, np.zeros(times.size))
+    return OverAmplitude.of(times, position_at(motion, times)[0], np.zeros(times.size))
 
 
 def write_damping(path: Path, found: DampingResult) -> None:

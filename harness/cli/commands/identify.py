@@ -11,7 +11,8 @@ from harness.cli.output import Output, say, say_all, say_as_it_is, show_rows, th
 from harness.core.bounded import check_file
 
 if TYPE_CHECKING:
-    from harness.results.identify import IdentifyResult, Swing
+    from harness.results.common import Swing
+    from harness.results.identify import IdentifyResult
 
 
 @click.command(short_help="Natural frequency, damping and friction from a recorded free decay.")

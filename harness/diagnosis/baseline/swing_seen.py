@@ -9,7 +9,6 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
-from scipy.optimize import minimize
 
 from harness.core.arrays import FloatArray
 
@@ -34,7 +33,8 @@ def motion_evidence(channels: Mapping[str, FloatArray], left: Mapping[str, Float
 
 def _innovations(left: FloatArray) -> float:
     """Mean square of what each value of a series (n,) adds to what those before say of it."""
-    # imported when it is needed: it brings half of its library along
+    # imported when they are needed: they bring half of their library along
+    from scipy.optimize import minimize
     from scipy.signal import lfilter
 
     def added(at: FloatArray) -> float:

@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-from scipy.optimize import nnls
 
 from harness.core.errors import InputError
 from harness.diagnosis.covariates.following import enter
@@ -28,6 +27,8 @@ class Curves(Kind[Curve]):
 
     def fit_base(self, problem: Curve) -> Based[Curve]:
         """From the nearest that neither friction nor damping is below 0. Raises InputError where nothing slows."""
+        from scipy.optimize import nnls  # where it is needed: it is slow to import
+
         table = np.column_stack((problem.v, np.sign(problem.v)))
         (c, f_k), _ = nnls(table, problem.channels["u"])
         if c == 0.0 and f_k == 0.0:

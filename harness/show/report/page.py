@@ -13,11 +13,12 @@ from pathlib import Path, PurePath
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import Environment, FileSystemBytecodeCache, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from harness.core.arrays import FloatArray
 from harness.core.bounded import MOST_DOCUMENT_BYTES, read_bytes
+from harness.core.kernel_cache import cache_folder
 from harness.core.writing import replacing
 from harness.results.common import Machine
 from harness.show.blocks import Block, Code, Facts, Figure, Page, Section
@@ -34,7 +35,11 @@ _SCRIPT_SHARED = f'<script src="{_SHARED.as_posix()}"></script>'
 
 @cache
 def _environment() -> Environment:
+    # what templates compile to is code, and lies where only this user can write
+    kept = cache_folder() / "templates"
+    kept.mkdir(mode=0o700, exist_ok=True)
     environment = Environment(
+        bytecode_cache=FileSystemBytecodeCache(str(kept)),
         loader=PackageLoader("harness.show.report", "templates"),
         autoescape=True,
         undefined=StrictUndefined,
@@ -57,6 +62,10 @@ def symbols(text: str) -> Markup:
         return f"{base}<sub>{index}</sub>" if index else base
 
     return Markup(_SYMBOL.sub(one, str(escape(text)).replace("+-", "\u00b1")))
+
+
+def _beside(name: str) -> Markup:
+    return Markup((files("harness.show.report") / "templates" / name).read_text(encoding="utf-8"))
 
 
 def _vendored(name: str) -> Markup:
@@ -139,8 +148,8 @@ def render(page: Page) -> str:
         title=page.title,
         subtitle=page.subtitle,
         parts=parts,
-        style=Markup(environment.get_template("page.css").render()),
-        script=Markup(environment.get_template("page.js").render()),
+        style=_beside("page.css"),
+        script=_beside("page.js"),
         plotly=_vendored(_BUNDLE),
         figures=Markup(script_json(figures)),
         arrays=Markup(script_json(pool.arrays)),
