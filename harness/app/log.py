@@ -70,7 +70,9 @@ def motion(recording: Recording, restoring: str | None = None) -> MotionResult:
 
 def preview(recording: Recording) -> PreviewResult:
     """A recording as it was read."""
-    spans = {name: np.array_split(y, min(_SPANS, y.size)) for name, y in recording.channels.items()}
+    # a table of held speeds is drawn over them
+    order = np.argsort(recording["v"], kind="stable") if recording.steady else slice(None)
+    spans = {name: np.array_split(y[order], min(_SPANS, y.size)) for name, y in recording.channels.items()}
     columns = {"t": recording.t, **recording.channels}
     return PreviewResult(
         columns=dict(recording.columns),

@@ -238,7 +238,8 @@ def _fits(result: "DiagnosisResult") -> None:
         rows += [(f"fit of {c}", *(f"{side[c]:.4g} %" for side in sides)) for c in sides[0]]
     rows += [(f"rmse {c}", *(f"{fit.rmse[c]:.4g} {units[c]}" for fit in fits)) for c in result.baseline.rmse]
     for name in dict.fromkeys(name for fit in fits for name in fit.parameters):
-        rows.append((name, *(with_error(f.parameters.get(name)) for f in fits)))
+        whose = f"\nof {Path(result.own[0].file).name}" if name in result.of_first else ""
+        rows.append((f"{name}{whose}", *(with_error(f.parameters.get(name)) for f in fits)))
     rows = [row for row in rows if set(row[1:]) != {"-"}]  # why a number was refused stands on the page
     show_rows(("", "viscous and Coulomb", "refined")[: len(fits) + 1], rows)
 
@@ -248,10 +249,11 @@ def _own(result: "DiagnosisResult") -> None:
     channel = next(iter(result.baseline.rmse))
     unit = _units(result)[channel]
     heads = ["recording", "x0", *(["zero"] if result.own[0].zero else []), f"noise {channel}\n{unit}"]
-    rows = []
+    rows, placed = [], "x" in result.baseline.rmse
     for one in result.own:
         noise = one.noise[channel]
-        cells = [Path(one.file).name, f"{one.start['x0'].value:.4g} {one.start['x0'].unit}"]
+        start = f"{one.start['x0'].value:.4g} {one.start['x0'].unit}" if placed else "-"
+        cells = [Path(one.file).name, start]
         cells += [f"{one.zero.value:.4g} {one.zero.unit}"] if one.zero else []
         cells += [noise if isinstance(noise, str) else f"{noise:.3g}", f"{one.baseline_rmse[channel]:.3g}"]
         rows.append([*cells, *([f"{one.rmse[channel]:.3g}"] if result.mechanisms else [])])
@@ -278,8 +280,8 @@ def show_repeated(together: Mapping[str, "RepeatedResult"]) -> None:
     """A line a parameter: value from all recordings, as laboratories report it, spread, who stands out; trends."""
     rows = [
         (
-            name,
-            with_error(one.value),
+            "\n".join((name, *([one.value.unit] if one.value.unit != "1" else []))),
+            with_error(one.value, one.value.unit),
             figure(one.expanded, ".2g"),
             "-" if one.value.systematic is None else f"{one.value.systematic:.2g}",
             f"{one.within:.2g}",
@@ -326,7 +328,7 @@ def _fleet(fleet: "FleetResult") -> None:
         between = f"{row.between / abs(row.mean.value):.1%}" if row.mean.value else "-"
         unit = row.mean.unit
         at = "" if row.speed is None else f"\nat {row.speed:.2g} {'rad' if 'N m' in unit else 'm'}/s"
-        values = (with_error(one, unit) for one in row.values)
-        rows.append((f"{row.joint} {row.parameter}{at}\n{unit}", *values, between, same))
+        values = (with_error(one, unit).replace(" +- ", "\n+- ") for one in row.values)
+        rows.append((f"{row.joint}\n{row.parameter}, {unit}{at}", *values, between, same))
     show_rows(("joint", *(Path(log.file).name for log in fleet.logs), "between", "the same?"), rows)
     say_all(fleet.statements)

@@ -201,7 +201,8 @@ def show(table: "Table") -> None:
     """Print a table of plain text, without columns that say nothing, within the width there is; as wide as it needs to
     be where nothing sets one.
 
-    One that is too wide has its rows as columns; where that is too wide as well, each row is a list of "heading: cell".
+    One that is too wide has headings of a word a line, and fewer lines between; else its rows as columns; where that
+    is too wide as well, each row is a list of "heading: cell".
     """
     width, ample = line_width(), _plain(_AMPLE)
     first, *others = table.columns
@@ -212,8 +213,8 @@ def show(table: "Table") -> None:
     if width is None or _needs(table, ample) <= width:
         _print(table, ample)
         return
-    for narrow in (False, True):
-        if _needs(turned := _turned(table, narrow), ample) <= width:
+    for turned in (_narrow(table), _turned(table, False), _turned(table, True)):
+        if _needs(turned, ample) <= width:
             _print(turned, ample)
             return
     for line in _listed(table):
@@ -261,6 +262,21 @@ def _cells(table: "Table") -> tuple[list[str], list[list[str]]]:
     return [str(column.header) for column in table.columns], [list(row) for row in zip(*columns, strict=True)]
 
 
+def _narrow(table: "Table") -> "Table":
+    """The same with headings of a word a line, units whole, and no lines between columns."""
+    from rich import box
+    from rich.table import Table
+
+    narrow = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
+    for column in table.columns:
+        said, _, unit = str(column.header).partition(", ")
+        heading = "\n".join([*said.split(), *filter(None, [unit])])
+        narrow.add_column(heading, justify=column.justify, no_wrap=True)
+    for row in _cells(table)[1]:
+        narrow.add_row(*row)
+    return narrow
+
+
 def _turned(table: "Table", narrow: bool) -> "Table":
     """Rows as columns, headings as the first of them; narrow has no lines, and headings of a word a line."""
     from rich import box
@@ -281,8 +297,9 @@ def _listed(table: "Table") -> list[str]:
     headings, rows = _cells(table)
     lines = []
     for row in rows:
-        lines.append(row[0] if not headings[0] else f"{headings[0]}: {row[0]}")
-        for heading, cell in zip(headings[1:], row[1:], strict=True):
+        first = ", ".join(row[0].split("\n"))
+        lines.append(f"{headings[0]}: {first}" if headings[0] else first)
+        for heading, cell in zip((" ".join(one.split()) for one in headings[1:]), row[1:], strict=True):
             said = ", ".join(cell.split("\n"))
             if said:
                 lines.append(f"  {heading}: {said}" if heading else f"  {said}")

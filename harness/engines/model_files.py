@@ -22,7 +22,7 @@ from harness.model.model import Model, Restoring
 from harness.model.term import Push, Slot
 
 _PUSH: Kinds = frozenset({Push})
-SLIDER, HINGE = "slider", "pendulum"
+SLIDER, HINGE, ROTOR = "slider", "pendulum", "rotor"
 FRICTION = "friction.py"
 _OWN = 1e-6
 """Share of the inertia about the mass's own centre."""
@@ -37,7 +37,9 @@ def turns(model: Model, angular: bool = False) -> bool:
 
 def file_name(model: Model, angular: bool = False) -> str:
     """What a model's files are called, without ending."""
-    return HINGE if turns(model, angular) else SLIDER
+    if not turns(model, angular):
+        return SLIDER
+    return ROTOR if model.restoring is Restoring.NONE else HINGE
 
 
 def _words(model: Model) -> JointWords:

@@ -318,6 +318,16 @@ class OwnResult(Result):
     rmse: Rmse = Field(description="of the refined model")
     alone: dict[str, P] = Field(description="the baseline's parameters, fitted to this recording by itself")
     differs: list[str] = Field(description="in what it is not as the first, one sentence each")
+    unshared: list[str] = rare("base parameters that each recording has for itself: c, f_k, k, m", list)
+
+
+_FOLLOWS = {
+    "c": {"c", "zeta"},
+    "f_k": {"f_k", "x_k"},
+    "k": {"k", "omega_n", "zeta", "x_k"},
+    "m": {"m", "omega_n", "zeta"},
+}
+"""Numbers of a fit that are those of the first recording where each has such a parameter for itself."""
 
 
 class ReadResult(Result):
@@ -379,6 +389,11 @@ class DiagnosisResult(Paged):
     command: str = Field(default="", description="the line that makes it again")
     machine: Machine
     files: dict[str, str] = Field(description="absolute paths")
+
+    @property
+    def of_first(self) -> frozenset[str]:
+        """Numbers of both fits that are the first recording's alone, where several do not share them."""
+        return frozenset().union(*(_FOLLOWS.get(name, {name}) for one in self.own for name in one.unshared))
 
     @property
     def has_own_simulation(self) -> bool:

@@ -86,7 +86,8 @@ class Reduced:
         """The equation with its numbers, in words."""
         inertia, torque, angle = ("kg", "N", "m") if self.slides else ("kg m^2", "N m", "rad")
         rotor = f" with {self.armature:.4g} {inertia} of its rotor" if self.armature else ""
-        said = f"with the other joints locked, {self.joint}: inertia {self.moved:.4g} {inertia}{rotor}"
+        locked = "with the other joints locked, " if self.held else ""
+        said = f"{locked}{self.joint}: inertia {self.moved:.4g} {inertia}{rotor}"
         if self.slides:
             said += f", gravity {self.constant:.4g} N" if self.constant else ""
         elif self.upright:

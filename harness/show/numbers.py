@@ -102,7 +102,7 @@ def number(value: float | None, digits: int = 4) -> str:
 def with_error(value: float, stderr: float | None) -> tuple[str, str]:
     """The value to the second digit of its standard error, and that error; ("2.300", "0.012")."""
     if stderr is None:
-        return number(value, 5), ""
+        return number(value, 4), ""
     if stderr == 0.0:
         return number(value, 6), "0"
     finest = math.floor(math.log10(abs(value))) - MOST_DIGITS + 2 if value else -12

@@ -57,6 +57,7 @@ def _heavier(result: DiagnosisResult, files: list[Path], by: float, errors: floa
     assert what == "inertia"
     assert abs(float(value) - by) < errors * float(error) < most
     assert " ".join(rest) == f"% above that of {files[0].name}"
+    assert result.of_first
 
 
 @pytest.fixture(scope="module")

@@ -217,6 +217,11 @@ def test_the_file_alone_moves_in_pybullet_as_the_model(tmp_path: Path) -> None:
     assert np.abs(in_pybullet(files["pendulum.urdf"], SWING.x0) - exact(SWING)).max() < 5e-3 * SWING.x0
 
 
+def test_what_runs_down_is_no_pendulum_by_its_file(tmp_path: Path) -> None:
+    files = model_files.export(Model(0.2, 0.01, 0.0, 0.05, v0=40.0, restoring=Restoring.NONE), tmp_path, angular=True)
+    assert {"rotor.xml", "rotor.urdf"} <= files.keys()
+
+
 def test_what_a_hinge_cannot_say_is_said_in_radians() -> None:
     said = model_files.cannot_say(SWING, "urdf")
     assert "urdf: gravity is the reader's to set, 9.81 m/s^2 along -z" in said

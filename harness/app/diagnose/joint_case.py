@@ -165,7 +165,7 @@ def unfitted(case: JointCase, found: Coupling, broken: MechanismResult | None = 
     mend = f" Try: {compared.option}" if compared.option else " No option mends that: look for another model or log."
     said = f"Log and model do not go together: {compared.statement}.{mend}"
     if broken is not None:
-        said = f"{case.joint}, the other joints locked. {broken.statement}"
+        said = f"{case.joint}{', the other joints locked' if own.held else ''}. {broken.statement}"
     with leaving(f"diagnose-{case.name}", case.out) as output:
         result = case.result(
             Model(own.moved, 0.0, 0.0, 0.0, restoring=Restoring.NONE),

@@ -72,6 +72,7 @@ def own_results(recordings: Sequence[Recording], outcome: Outcome) -> list[OwnRe
                 rmse=rmse(refined.shown.y, problem, inside),
                 alone=pooled.compared.alone[r].parameters,
                 differs=[d.said(first) for d in differ[r] if d.clearly],
+                unshared=list(problem.starts.own),
             )
         )
     return found

@@ -59,16 +59,26 @@ _ROWS, _DOTS = 4, 4
 
 
 def _recording(found: "PreviewResult") -> None:
-    say(f"{found.samples} samples at {found.rate_hz:.4g} Hz, {found.duration_s:.4g} s")
+    steady = found.motion.kind == "friction-curve"
+    if steady:
+        low, high = found.ranges["v"]
+        say(f"{found.samples} steady speeds from {low:.4g} to {high:.4g} {found.units['v']}")
+    else:
+        say(f"{found.samples} samples at {found.rate_hz:.4g} Hz, {found.duration_s:.4g} s")
     say_motion(found.motion)
     rows = []
     for name, unit in found.units.items():
+        if steady and name == "t":
+            continue
         first = ", ".join(f"{value:.9g}" if name == "t" else f"{value:.6g}" for value in found.first[name])
         rows.append([f"{name} / {unit}", first, found.columns.get(name, "by --rate")])
     show_rows(("channel", "first samples", "read from"), rows, ("channel", "first samples", "read from"))
     for name, spans in found.envelope.items():
+        if steady and name == "v":
+            continue
         low, high = found.ranges[name]
-        say(f"{name} from {low:.4g} to {high:.4g} {found.units[name]}")
+        over = ", row by row in the order of the speeds" if steady else ""
+        say(f"{name} from {low:.4g} to {high:.4g} {found.units[name]}{over}")
         for line in picture(spans, low, high):
             say_as_it_is(line)
     for note in found.notes:

@@ -304,7 +304,9 @@ def _numbers(result: DiagnosisResult) -> b.Section:
         rows.append(b.Row(f"{head}, {unit}" if unit else head, whole))
 
     for name, p in result.baseline.parameters.items():
-        row(_SYMBOLS.get(name, name), quantity(p)[2], [b.measured(fit.parameters.get(name), reasons) for fit in fits])
+        whose = f" of {_file(result.own[0])}" if name in result.of_first else ""
+        cells = [b.measured(fit.parameters.get(name), reasons) for fit in fits]
+        row(f"{_SYMBOLS.get(name, name)}{whose}", quantity(p)[2], cells)
     in_it = {term.name for term in result.refined_model.terms}
     for one in (m for m in result.mechanisms if m.name in in_it):
         for name, p in one.parameters.items():
