@@ -190,3 +190,15 @@ def test_of_decays_no_column_is_taken_beside() -> None:
     acting = [replace(one, covariates={"T": np.linspace(20.0, 30.0, T.size)}) for one in plain]
     with pytest.raises(InputError, match="measured force"):
         harness.change(acting[:1], acting[1:], covariates=["T"])
+
+
+def test_a_pressure_that_is_the_same_throughout_is_no_change() -> None:
+    """Its push is fitted whether or not it varies; what the motion presses is then friction, part of it dry."""
+    each = [cylinder(seed, 3.0, 2.0) for seed in (1, 2)]
+    before, later = (replace(one, covariates={"P": np.full(600, 3.0)}) for one in each)
+    found = harness.change([before], [later], restoring="none", covariates=["P"], budget=0.1)
+    assert found.changed == []
+    (friction,) = (one.before for one in found.numbers if one.name == "f_k")
+    assert friction is not None
+    assert friction.value is not None
+    assert 2.0 < friction.value < 2.0 + 0.02 * AREA

@@ -50,7 +50,8 @@ class Acting:
 def values_in(asked: tuple[AskedCovariate, ...], *recordings: Recording) -> dict[str, FloatArray]:
     """The columns (n,) that were asked for, of recordings of a machine one behind the other.
 
-    Raises InputError for one that is not there or says nothing.
+    Raises InputError for one that is not there, and for one of a recording by itself that says nothing: of several it
+    may be what pushes all the time.
     """
     found = {}
     for one in asked:
@@ -59,15 +60,17 @@ def values_in(asked: tuple[AskedCovariate, ...], *recordings: Recording) -> dict
                 there = ", ".join(recording.covariates) or "none"
                 where = f"{recording.file}: covariate {one.name}"
                 raise InputError(where, "no such column", f"a covariate of the recording ({there})")
-        where = f"{', '.join(recording.file for recording in recordings)}: covariate {one.name}"
+        where = f"{recordings[0].file}: covariate {one.name}"
         values, noise = _laid(one.name, recordings)
+        found[one.name] = values
+        if len(recordings) > 1:
+            continue
         spread, accepted = float(np.std(values)), f"a spread of {COVARIATE_VARIES.value:g} times its noise"
         if float(np.ptp(values)) == 0.0:
             raise InputError(where, f"the constant {values[0]:g}", accepted)
         if spread < COVARIATE_VARIES.value * noise.sigma:
             found_too = f"hardly varies: {spread:.3g} about its mean, of which noise is {noise.sigma:.3g}"
             raise InputError(where, found_too, accepted)
-        found[one.name] = values
     return found
 
 
