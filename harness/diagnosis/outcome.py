@@ -46,6 +46,7 @@ class Grade(StrEnum):
     EXPLAINS = "explains"
     MAIN = "main"
     ONE_OF = "one-of"
+    PART = "part"
     MINOR = "minor"
     TABULATED = "tabulated"
 

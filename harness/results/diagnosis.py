@@ -24,7 +24,7 @@ from harness.results.compare import ChannelPair
 from harness.results.robot import CurveResult, RobotResult
 
 Verdict = Literal["adequate", "missing_physics", "main_effect", "one_of", "unexplained"]
-Grade = Literal["explains", "main", "one-of", "minor", "tabulated"]
+Grade = Literal["explains", "main", "one-of", "part", "minor", "tabulated"]
 Rmse = dict[str, float]
 """Root mean square error by channel, in the channel's unit."""
 

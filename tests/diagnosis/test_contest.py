@@ -1,12 +1,19 @@
 """How likely a name is the main effect: what it hangs on, what it comes to, and whence its weights."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import cast
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from benchmarks.calibrate.posterior import Row, fitted, said
-from harness.diagnosis.grading.contest import answered, softmax
+from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.grading.contest import Contest, Finalist, answered, shown_as_part, softmax
+from harness.diagnosis.grading.prediction import Predicted
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.rules import (
     FORCE_POSTERIOR,
@@ -19,6 +26,7 @@ from harness.diagnosis.rules import (
     TIMES_NEXT,
     Weights,
 )
+from harness.model.model import Model, ModelTerm
 
 
 @given(odds=st.lists(st.floats(-8.0, 8.0), max_size=9))
@@ -84,3 +92,43 @@ def test_a_calibration_prints_the_weights_that_stand() -> None:
     (off,) = (float(line.split()[-1]) for line in lines if line.startswith("expected calibration error"))
     assert off < 0.03
     assert all("too few draws" in line for line in said(same, None, rows[:3]))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Largest(Contest):
+    """A contest that came to a largest part, of which nothing but its finalists is asked."""
+
+    words: float = 10.0
+    cycles: float = 20.0
+    weights: Weights = POSTERIOR
+
+    @property
+    def refined(self) -> Fit:
+        return self.finalists[0].fit
+
+
+def missed(*squares: float) -> Predicted:
+    return Predicted({"x": np.array(squares)}, np.ones(len(squares)), {"x": 1.0}, tuple((i, i + 1.0) for i in range(8)))
+
+
+def largest(share: float, other: float, left: Sequence[float]) -> Grade | None:
+    """What the largest part comes to by its share, another's, and what it misses of spans that the base misses by 1."""
+    names = [ModelTerm.named("quadratic-drag", c2=1.0), ModelTerm.named("stribeck", f_s=2.0, v_s=0.1)]
+    fits = [cast(Fit, SimpleNamespace(model=Model(1.0, 0.1, 10.0, 1.0, terms=(one,)))) for one in names]
+    first = Finalist(fits[0], 100.0, share, False, held=missed(*left))
+    found = Largest(
+        finalists=(first, Finalist(fits[1], 50.0, other, False)),
+        grade=Grade.MINOR,
+        named=(first,),
+        base_held=missed(*np.ones(len(left))),
+    )
+    return shown_as_part(found).grade
+
+
+def test_a_law_that_stands_out_is_a_part_beside_an_unexplained_rest() -> None:
+    better = [0.5] * 7 + [0.99]
+    assert largest(0.6, 0.2, better) is Grade.PART
+    assert largest(0.6, 0.4, better) is Grade.MINOR, "another law does as much"
+    assert largest(0.6, 0.2, [0.1] * 7 + [1.01]) is Grade.MINOR, "a stretch is missed more"
+    assert largest(0.1, 0.02, better) is Grade.MINOR, "little of the misfit"
+    assert largest(0.6, 0.2, [0.5] * 3) is Grade.MINOR, "few stretches fall by chance"

@@ -185,6 +185,7 @@ def graded(result: DiagnosisResult, verdict: str, grade: str) -> DiagnosisResult
     [
         ("main_effect", "main", "main effect"),
         ("one_of", "one-of", "one of these"),
+        ("unexplained", "part", "part of it"),
         ("unexplained", "minor", "minor part"),
     ],
 )

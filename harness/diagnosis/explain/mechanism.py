@@ -159,7 +159,9 @@ def of_force(found: Search, graded: ForceGraded, omega: float) -> tuple[Mechanis
 
 def _with_grade(said: Mechanism, graded: ForceGraded, one: Finalist | None) -> Mechanism:
     named = any(f.name == said.name for f in graded.named)
-    said = replace(said, grade=graded.grade if named and graded.grade is not None else Grade.MINOR)
+    grade = graded.grade if named and graded.grade is not None else Grade.MINOR
+    # what something else stands in place of is not there for sure
+    said = replace(said, grade=Grade.MINOR if grade is Grade.PART and said.alternatives else grade)
     if one is None:
         return said
     chance = graded.chance if graded.named and said.name == graded.named[0].name else None

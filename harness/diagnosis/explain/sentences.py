@@ -66,7 +66,15 @@ def sentence_of(outcome: Outcome, has: Sequence[str] = (), units: str = "") -> s
         return f"{likely}: {_numbers(named[0])}.{_residual(outcome)}"
     if outcome.verdict == "one_of":
         return _one_of(outcome, words, share)
-    return f"Cannot tell what is missing: {_untold(outcome, words, share, units)}"
+    part = named[0] if named and named[0].grade is Grade.PART and not units else None
+    untold = f"Cannot tell what is missing: {_untold(outcome, words, share, units)}"
+    return untold if part is None else _beside_a_rest(part)
+
+
+def _beside_a_rest(part: Mechanism) -> str:
+    """A law that is there, whatever else is."""
+    said = f"Part of what is missing is {_plain(part.name)} ({_percent(part.share)} of the misfit): {_numbers(part)}"
+    return f"{said}. Every stretch held out is predicted better with it; the rest is unexplained."
 
 
 def _untold(outcome: Outcome, words: Sequence[str], share: str, units: str) -> str:

@@ -28,8 +28,11 @@ from harness.diagnosis.rules import (
     MOST_LIKELY,
     MOST_LISTED,
     OF_LIST,
+    PART_APART,
+    PART_SPANS,
     SAME_CLOCK,
     SHARE_OF_EXCESS,
+    SHARE_OF_MISFIT,
     TAKEN,
     TIMES_NEXT,
     Rule,
@@ -193,12 +196,32 @@ def decided(found: C) -> C:
     return replace(found, grade=grade, named=tuple(by_name[name] for name in names), rules=rules)
 
 
+def shown_as_part(found: C) -> C:
+    """The largest part as one that is there whatever the rest is: nothing else does the like of it, every span that
+    was left out is missed less with it.
+
+    Laws that nobody knows of sum up to one or another, but then to several, and not everywhere.
+    """
+    if found.grade is not Grade.MINOR or not found.named:
+        return found
+    first, before = found.named[0], found.base_held
+    after = next((f.held for f in found.finalists if f.name == first.name and f.held), first.held)
+    if before is None or after is None or after.by_span.size < PART_SPANS.value:
+        return found
+    falls = bool(np.all(after.by_span < before.by_span))
+    others = max((f.share for f in found.finalists if f.name != first.name), default=0.0)
+    apart = others <= PART_APART.value * first.share and first.share >= SHARE_OF_MISFIT.value
+    if not (falls and apart):
+        return found
+    return replace(found, grade=Grade.PART, rules=(*found.rules, SHARE_OF_MISFIT, PART_APART, PART_SPANS))
+
+
 def in_step(found: Contest) -> Finalist | None:
     """A law with a clock on the swing that takes as much as what is named; None where none does.
 
     It follows any other, and is none of the names.
     """
-    most = found.named[0].share if found.named and found.grade is not Grade.MINOR else 0.0
+    most = found.named[0].share if found.grade in (Grade.MAIN, Grade.ONE_OF) else 0.0
     return next((f for f in found.finalists if f.clock and f.large and f.share >= most), None)
 
 

@@ -8,7 +8,7 @@ from harness.core.cores import each
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.standard_errors import loosest
 from harness.diagnosis.grading.clocks import on_the_swing
-from harness.diagnosis.grading.contest import Contest, Finalist, decided
+from harness.diagnosis.grading.contest import Contest, Finalist, decided, shown_as_part
 from harness.diagnosis.grading.friction_split import resplit
 from harness.diagnosis.grading.misfit import Misfit
 from harness.diagnosis.grading.prediction import Predicted, free_run, held_out
@@ -63,7 +63,7 @@ def grade(misfit: Misfit, begun: Sequence[Model] = ()) -> Graded:
     predicted = each(lambda one: _predicted(one, misfit), (misfit.base, *(f.fit for f in found.named)))
     (base_held, base_run), *others = predicted
     named = tuple(replace(f, held=held, run=run) for f, (held, run) in zip(found.named, others, strict=True))
-    return replace(found, named=named, base_held=base_held, base_run=base_run)
+    return shown_as_part(replace(found, named=named, base_held=base_held, base_run=base_run))
 
 
 def _predicted(one: Fit, misfit: Misfit) -> tuple[Predicted | None, Predicted | None]:

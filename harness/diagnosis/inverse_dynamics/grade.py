@@ -10,7 +10,7 @@ from harness.diagnosis.baseline.words import evidence
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.standard_errors import leading, loosest
 from harness.diagnosis.grading.clocks import in_step, on_the_swing
-from harness.diagnosis.grading.contest import Contest, Finalist, decided
+from harness.diagnosis.grading.contest import Contest, Finalist, decided, shown_as_part
 from harness.diagnosis.grading.grade import cells_of
 from harness.diagnosis.grading.prediction import blocks_of
 from harness.diagnosis.inverse_dynamics.force_screen import seen_in
@@ -101,9 +101,9 @@ def graded_by(
         found = _by_judge(found, names)
     # what follows any other law by its clock is no better model than the largest part that has a name
     followed = {f.name for f in found.finalists if f.clock}.issuperset(names)
-    if not found.named or found.named[0].name in names or (found.grade is Grade.MINOR and not followed):
-        return found
-    return replace(found, best=found.named[0].fit, kept=False)
+    if found.named and found.named[0].name not in names and (found.grade is not Grade.MINOR or followed):
+        found = replace(found, best=found.named[0].fit, kept=False)
+    return shown_as_part(found)
 
 
 def _by_judge(found: ForceGraded, names: Sequence[str]) -> ForceGraded:

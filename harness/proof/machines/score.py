@@ -1,8 +1,8 @@
 """How well diagnoses of machines match the truth.
 
 A main effect is claimed by the first mechanism graded "main" or "explains" (or without a grade, as harness.diagnosis/1
-has none); a list by those graded "one-of", its alternatives and ties. What is graded "minor" or "tabulated" claims
-nothing.
+has none); a list by those graded "one-of", its alternatives and ties. What is graded "part", "minor" or "tabulated"
+claims no main effect.
 """
 
 import math
@@ -55,7 +55,7 @@ class Claim:
     def of(cls, result: Result | None) -> "Claim":
         """Read a harness.diagnosis/2 or /1 object; None stands for no result."""
         found = list((result or {}).get("mechanisms", []))
-        minor = frozenset(m["name"] for m in found if m.get("grade") in ("minor", "tabulated"))
+        minor = frozenset(m["name"] for m in found if m.get("grade") in ("part", "minor", "tabulated"))
         if result is None or result.get("verdict", "error") in SILENT:
             return cls("", {}, frozenset(), minor)
         mains = [m for m in found if m.get("grade", "main") in ("main", "explains")]

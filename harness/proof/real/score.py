@@ -72,7 +72,8 @@ def _moved(number: Mapping[str, Any]) -> float:
 
 
 def _mains(result: Result) -> frozenset[str]:
-    return frozenset(m["name"] for m in result.get("mechanisms", []) if m.get("grade") in ("main", "explains"))
+    """What is said to be there: a part beside an unexplained rest too, as the rest is the machine's own."""
+    return frozenset(m["name"] for m in result.get("mechanisms", []) if m.get("grade") in ("main", "explains", "part"))
 
 
 def _numbers(result: Result) -> dict[str, tuple[float, float]]:

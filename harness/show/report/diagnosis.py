@@ -42,6 +42,7 @@ _GRADES = {
     "explains": "explains it",
     "main": "main effect",
     "one-of": "one of these",
+    "part": "part of it",
     "minor": "minor part",
     "tabulated": "tabulated",
 }
