@@ -180,7 +180,7 @@ def send(view: object, recording: rr.RecordingStream) -> None:
 @send.register
 def _(view: Figure, recording: rr.RecordingStream) -> None:
     # the number keeps the order: the viewer draws by name, and the reference belongs below the others
-    curves = [(f"/{view.name}/{i:02d}", trace) for i, trace in enumerate(thinned(view, DRAWN))]
+    curves = [(f"/{s.slug(view.name)}/{i:02d}", trace) for i, trace in enumerate(thinned(view, DRAWN))]
     if is_plane(view):
         _send_plane(view, curves, recording)
         return
@@ -231,9 +231,9 @@ def _send_plane(view: Figure, curves: Sequence[tuple[str, Mapping[str, Any]]], r
     down, grey = np.array([1.0, -1.0]), _rgb("muted")
     axes = [strip * down for strip in plane.strips]
     lines = rr.LineStrips2D(axes, colors=[grey], radii=_pixels(0.5), draw_order=-10.0)
-    recording.log(f"/{view.name}/axes/lines", lines, static=True, strict=True)
+    recording.log(f"/{s.slug(view.name)}/axes/lines", lines, static=True, strict=True)
     text = rr.Points2D(plane.places * down, labels=plane.labels, radii=[0.0], colors=[grey], show_labels=True)
-    recording.log(f"/{view.name}/axes/ticks", text, static=True, strict=True)
+    recording.log(f"/{s.slug(view.name)}/axes/ticks", text, static=True, strict=True)
 
 
 @send.register
@@ -411,7 +411,7 @@ def _part(layout: s.Layout) -> Any:  # noqa: PLR0911  (one return a kind of view
 def _plot(figure: Figure) -> Any:
     """A view of curves over time or in a plane, whose first look is the right one."""
     across, up = (figure.layout[axis]["title"]["text"] for axis in ("xaxis", "yaxis"))
-    contents = [f"+ /{figure.name}/**"]
+    contents = [f"+ /{s.slug(figure.name)}/**"]
     if is_plane(figure):
         plane = plane_of(figure)
         bounds = rrb.VisualBounds2D(x_range=plane.x, y_range=(-plane.y[1], -plane.y[0]))

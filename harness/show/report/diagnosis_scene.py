@@ -85,8 +85,9 @@ def _notes(result: DiagnosisResult) -> str:
         lines += ["", "## What to change in your simulation", "", *(f"- {sentence}" for sentence in change)]
     if result.evidence:
         lines += ["", "## Evidence over the catalogue", ""]
-        lines += ["| name | better by, in BIC | share of the misfit |", "|---|---|---|"]
+        shared = any(one.share is not None for one in result.evidence)
+        lines += [f"| name | better by, in BIC |{' share of the misfit |' * shared}", "|---|---|" + "---|" * shared]
         shares = ["-" if one.share is None else f"{100.0 * one.share:.0f} %" for one in result.evidence]
         rows = zip(result.evidence, shares, strict=True)
-        lines += [f"| {one.name} | {one.delta_bic:.1f} | {share} |" for one, share in rows]
+        lines += [f"| {one.name} | {one.delta_bic:.1f} |{f' {share} |' * shared}" for one, share in rows]
     return "\n".join(lines)

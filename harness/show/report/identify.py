@@ -27,7 +27,7 @@ from harness.show.blocks import (
     tabulated,
     verdict,
 )
-from harness.show.numbers import quantity, sentence_quantity
+from harness.show.numbers import quantity, sentence_quantity, shown_value
 from harness.show.plots import (
     ANGLES,
     CHANNELS,
@@ -207,7 +207,8 @@ def recording_scene(recording: Recording, result: IdentifyResult) -> s.Scene:
     side: list[s.Layout] = [s.Words("notes", notes)]
     for method, estimate in result.estimates.items():
         if rows := [row for row in estimate.per_reversal if row.get("x_k") is not None]:
-            texts = [f"{method}: x_k = {row['x_k']:.6g} {estimate.x_k.unit}" for row in rows]
+            unit = estimate.x_k.unit
+            texts = [f"{row['t']:.4g} s, {method}: x_k = {shown_value(row['x_k'], unit, 4)}" for row in rows]
             side.append(s.Events("reversals", np.array([row["t"] for row in rows]), texts))
             break
     layout = s.Columns([s.Rows(channel_figures(recording, result)), s.Rows(side)], [3.0, 2.0])
