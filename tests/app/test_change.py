@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import harness
+from harness.app.diagnose.change import swinging_alike
 from harness.cli.main import run
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
@@ -202,3 +203,15 @@ def test_a_pressure_that_is_the_same_throughout_is_no_change() -> None:
     assert friction is not None
     assert friction.value is not None
     assert 2.0 < friction.value < 2.0 + 0.02 * AREA
+
+
+def test_decays_are_compared_from_where_all_swing_alike() -> None:
+    """What none swings as far as is cut off, whole half-swings of it; the least keeps all it has."""
+    far, near = decay(1, x0=0.1), decay(2, x0=0.06)
+    cut, kept = swinging_alike([far, near])
+    assert len(kept) == len(near)
+    assert float(np.max(np.abs(cut["x"]))) <= float(np.max(np.abs(near["x"])))
+    # the height falls by 0.15/s of itself, and by 2 f / k a half-swing
+    dry = 2.0 * 0.001 / (0.15 * math.pi / 10.0)
+    assert cut.t[0] == pytest.approx(math.log((0.1 + dry) / (0.06 + dry)) / 0.15, abs=2.0 * math.pi / 10.0)
+    assert np.array_equal(cut["x"], far["x"][-len(cut) :])

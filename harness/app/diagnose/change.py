@@ -13,7 +13,7 @@ from harness.app.shared.leaving import FILES, leave, leaving
 from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import SILENT, Progress
 from harness.app.shared.reading import read_as, recording_info, thinned
-from harness.core.errors import InputError
+from harness.core.errors import InputError, SimulationError
 from harness.core.quantity import Quantity
 from harness.core.recording import Recording
 from harness.core.telling import listening
@@ -32,6 +32,17 @@ from harness.show.report.change import change_page
 
 STEPS = 4
 NEW = P.of(Quantity.refused("1", "there was none to be seen before"))
+AS_FAR = (
+    "No model explains these decays, so that they are compared from where all swing alike: what differs further up goes"
+    " with the amplitude, and not with the condition."
+)
+UNLIKE = (
+    " It may go with the amplitude, and not with the condition: no model explains these decays, and too little of them"
+    " swings alike. Record both from as far."
+)
+EXPLAINED = ("adequate", "missing_physics")
+_LAST = 5
+"""Share of a decay over whose middle it comes to rest: one part of so many."""
 _SWITCHED = 0.05
 """Share of a covariate by which it was another condition, and did not only vary."""
 _SEEN = 3.0
@@ -87,6 +98,11 @@ class _Ready:
     warnings: tuple[str, ...]
     notes: tuple[str, ...]
 
+    @property
+    def decays(self) -> bool:
+        """Whether they swing freely."""
+        return all(one.returns and one.moves and one.drive is None for one in self.each)
+
     @classmethod
     def of(cls, recordings: Sequence[Recording], options: DiagnoseOptions) -> "_Ready":
         """Decays, and driven recordings, laid one behind the other; run-downs and tables one by one.
@@ -138,18 +154,26 @@ def result_of(
             progress(("before", "after")[i], 1 + i, STEPS)
             outcomes.append([conclude(whole, seconds=options.seconds) for whole in ready.laid(group)])
         progress("what changed", 3, STEPS)
-        found = compared(*groups, laws_of([one for group in outcomes for one in group]))
+        laws, alike, doubt = laws_of([one for group in outcomes for one in group]), list[str](), ""
+        found = compared(*groups, laws)
+        explained = all(one.verdict in EXPLAINED for group in outcomes for one in group)
+        if found.found.directions and not explained and ready.decays:
+            try:
+                each = _Ready.of(swinging_alike(recordings), options).each
+                found, alike = compared(each[:count], each[count:], laws), [AS_FAR]
+            except (InputError, SimulationError):
+                doubt = UNLIKE
     alone = (ONE_EACH,) if max(len(before), len(after)) == 1 else ()
     unknown = [
         f"{name}: no model explains the recordings, so that errors allow for what is left over"
         for name, group in zip(("before", "after"), outcomes, strict=True)
-        if any(one.verdict not in ("adequate", "missing_physics") for one in group)
+        if any(one.verdict not in EXPLAINED for one in group)
     ]
     read = [note for one in recordings for note in one.notes]
     infos = [recording_info(one, problem.noise) for one, problem in zip(recordings, ready.each, strict=True)]
     given = _given(ready.each, count)
     result = ChangeResult(
-        statement=f"{_switched(given)}{_statement(found)}",
+        statement=f"{_switched(given)}{_statement(found)}{doubt}",
         changed=list(found.found.directions),
         chance=found.found.chance,
         left=found.found.left,
@@ -158,12 +182,21 @@ def result_of(
         given=given,
         before=infos[:count],
         after=infos[count:],
-        warnings=list(dict.fromkeys([*ready.warnings, *alone, *unknown, *read, *ready.notes])),
+        warnings=list(dict.fromkeys([*ready.warnings, *alone, *unknown, *alike, *read, *ready.notes])),
         command=command,
         machine=this_machine(),
         files=dict(files or {}),
     )
     return result.drawn(change_page)
+
+
+def swinging_alike(recordings: Sequence[Recording]) -> list[Recording]:
+    """Decays from where each swings no further than the least of them, about where they come to rest."""
+    channel = next(c for c in ("x", "v", "a") if all(c in one for one in recordings))
+    swings = [np.abs(one[channel] - np.median(one[channel][-(len(one) // _LAST) :])) for one in recordings]
+    least = min(float(np.max(y)) for y in swings)
+    begins = [int(np.max(np.flatnonzero(y > least), initial=-1)) + 1 for y in swings]
+    return [one.cut(slice(begin, None)) for one, begin in zip(recordings, begins, strict=True)]
 
 
 def _given(each: Sequence[Problem], count: int) -> list[ChangedCovariate]:
