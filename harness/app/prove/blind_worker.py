@@ -80,7 +80,7 @@ def diagnosed(recording: bytes, arguments: Sequence[str]) -> dict[str, Any]:
         "noise": noise,
         "posterior": full["posterior"],
     }
-    arm = (full["robot"] or {}).get("arm")
+    arm = (full.get("robot") or {}).get("arm")
     if arm is not None:
         rest["found"] = [{key: one[key] for key in ("name", "joint", "partner", "rivals")} for one in arm["found"]]
     return {name: full[name] for name in kept} | rest
