@@ -181,7 +181,10 @@ def figure(value: float | None, spec: str = ".4g", after: str = "", times: float
 
 
 def with_error(number: "P | None", said: str = "") -> str:
-    """A value to the second digit of its standard error, "-" for one that was refused; said : a unit said elsewhere."""
+    """A value to the second digit of its standard error, "-" for one that was refused.
+
+    A systematic error that is larger stands below it. said : a unit said elsewhere.
+    """
     if number is None or number.value is None:
         return "-"
     unit = "" if number.unit in ("1", said) else f" {number.unit}"
@@ -190,7 +193,8 @@ def with_error(number: "P | None", said: str = "") -> str:
     if number.stderr >= _LARGE:
         return str(Quantity(number.value, number.stderr, unit.strip() or "1"))
     decimals = min(max(1 - math.floor(math.log10(number.stderr)), 0), 12)
-    return f"{number.value:.{decimals}f} +- {number.stderr:.{decimals}f}{unit}"
+    systematic = f"\nsyst. +- {number.systematic:.2g}" if (number.systematic or 0.0) > number.stderr else ""
+    return f"{number.value:.{decimals}f} +- {number.stderr:.{decimals}f}{unit}{systematic}"
 
 
 _AMPLE = 10_000

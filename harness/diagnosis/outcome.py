@@ -204,7 +204,8 @@ class Outcome:
     rules : those that decided. remainder : where no model explains the recording to its noise. tables : of what has no
     name, part of the refined model; surface : what of it hangs on position and speed at once. pooled : what several
     recordings share, where there are several. bounded : whether a budget ended the search. shifts : by which a law that
-    could hide would shift each number of the base model, by name.
+    could hide, or a named one in another form, or one that is listed, would shift each number of the refined model, by
+    name.
     """
 
     problem: Problem

@@ -10,11 +10,14 @@ from typing import Any
 
 from harness.core.budget import USUAL, Budget, given
 from harness.core.errors import InputError, SimulationError
+from harness.core.quantity import Quantity
 from harness.core.recording import Recording
 from harness.diagnosis.explain.could_hide import could_hide, most_shifted, with_systematic
 from harness.diagnosis.explain.mechanism import each_of, mechanism, of_force, of_misfit, remainder, remainder_of_force
 from harness.diagnosis.explain.next_experiment import left_open, left_open_by_grade
+from harness.diagnosis.explain.other_forms import shifted_by_form
 from harness.diagnosis.explain.sentences import (
+    by_form,
     cautions,
     cautions_of_force,
     cautions_of_misfit,
@@ -23,9 +26,11 @@ from harness.diagnosis.explain.sentences import (
     out_of_budget,
     to_be_sure,
 )
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.standard_errors import base_parameters
 from harness.diagnosis.grading.beginning import after_first_turn, from_the_beginning, from_within, with_second
 from harness.diagnosis.grading.clock_drift import off_the_clock, with_clock
+from harness.diagnosis.grading.contest import Finalist
 from harness.diagnosis.grading.grade import Graded, grade
 from harness.diagnosis.grading.misfit import misfit
 from harness.diagnosis.grading.posterior import of_contest, of_search, probability
@@ -34,7 +39,7 @@ from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.known import kind_of
 from harness.diagnosis.moves.classify import classify
 from harness.diagnosis.moves.kinds import MotionKind, Moves
-from harness.diagnosis.outcome import Grade, Holdout, Outcome, Tried
+from harness.diagnosis.outcome import Grade, Holdout, Mechanism, Outcome, Tried
 from harness.diagnosis.prepare.curve import curve_problem
 from harness.diagnosis.prepare.driven import driven_problem, is_driven
 from harness.diagnosis.prepare.free_decay import free_decay_problem, together
@@ -217,6 +222,12 @@ def _said(judged: Judged) -> Outcome:
         hidden = could_hide(found, scales)
         said, shifts = (*said, *hiding(numbers, hidden)), most_shifted(hidden)
         numbers = with_systematic(numbers, shifts)
+    told: Mapping[str, Quantity] = numbers
+    if refined is not found.base or verdict != "adequate":
+        explained = verdict != "unexplained"
+        shifts = shifted_by_form(refined, _listed(judged.found, mechanisms), problem, scales, explained)
+        told = with_systematic(base_parameters(refined, problem, scales.omega, explained), shifts)
+        said = (*said, *by_form(told, verdict == "one_of"))
     outcome = Outcome(
         problem=problem,
         scales=scales,
@@ -231,9 +242,7 @@ def _said(judged: Judged) -> Outcome:
             if f.model.terms
         ),
         base_parameters=numbers,
-        refined_parameters=numbers
-        if refined is found.base and verdict == "adequate"
-        else base_parameters(refined, problem, scales.omega, verdict != "unexplained"),
+        refined_parameters=told,
         next_experiment=next_experiment(left_open(mechanisms, found), problem, scales)
         or to_be_sure(mechanisms, judgement.rules, driven),
         warnings=(*said, *warned, *((prediction.why,) if prediction.why else ()), *judged.found.notes),
@@ -246,6 +255,23 @@ def _said(judged: Judged) -> Outcome:
     return outcome if by_force is None else with_force_tables(outcome, by_force)
 
 
+def _listed(found: Found, mechanisms: Sequence[Mechanism]) -> list[Fit]:
+    """Fits of the names that are listed beside the first."""
+    if found.by_force is not None:
+        return _of_names(found.by_force.named, mechanisms)
+    names = _names_listed(mechanisms)
+    return [f for f in found.search.rivals if len(f.model.terms) == 1 and key_of(f)[0] in names]
+
+
+def _of_names(named: Sequence[Finalist], mechanisms: Sequence[Mechanism]) -> list[Fit]:
+    names = _names_listed(mechanisms)
+    return [one.fit for one in named if one.name in names]
+
+
+def _names_listed(mechanisms: Sequence[Mechanism]) -> set[str]:
+    return {m.name for m in mechanisms[1:] if m.grade is Grade.ONE_OF}
+
+
 def _misfit_said(judged: Judged, graded: Graded) -> Outcome:
     """The outcome of a misfit that no model explains; the sensors' noise is what the best model found leaves."""
     seen, scales, rules = graded.misfit, graded.misfit.scales, judged.judgement.rules
@@ -255,6 +281,9 @@ def _misfit_said(judged: Judged, graded: Graded) -> Outcome:
     refined = base if best is seen.base else under(best, problem)
     mechanisms = tuple(of_misfit(f, graded, base, problem) for f in graded.named)
     first = mechanisms[0].held_out if mechanisms else None
+    others = [under(f, problem) for f in _of_names(graded.named, mechanisms)]
+    shifts = shifted_by_form(refined, others, problem, scales, explained=False)
+    told = with_systematic(base_parameters(refined, problem, scales.omega, explained=False), shifts)
     outcome = Outcome(
         problem=problem,
         scales=scales,
@@ -265,12 +294,17 @@ def _misfit_said(judged: Judged, graded: Graded) -> Outcome:
         holdout=Holdout.none() if first is None else Holdout(first.spans, first.baseline_rmse, first.refined_rmse),
         evidence=tuple(Tried(f.name, base.bic - under(f.fit, problem).bic, f.share) for f in graded.finalists),
         base_parameters=base_parameters(base, problem, scales.omega, explained=False),
-        refined_parameters=base_parameters(refined, problem, scales.omega, explained=False),
+        refined_parameters=told,
         next_experiment=next_experiment(left_open_by_grade(mechanisms, graded), problem, scales)
         or to_be_sure(mechanisms, rules, "driven" in problem.given),
-        warnings=(*cautions_of_misfit(graded, judged.found.search.doubted), *judged.found.notes),
+        warnings=(
+            *cautions_of_misfit(graded, judged.found.search.doubted),
+            *by_form(told, bool(others)),
+            *judged.found.notes,
+        ),
         rules=(*rules, *(POOLING if problem.alone else ())),
         remainder=remainder(base, refined, problem),
         pooled=judged.found.pooled,
+        shifts=shifts,
     )
     return with_tables(outcome, graded)

@@ -8,7 +8,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.results.common import P
-from harness.show.numbers import NONE, number, quantity
+from harness.show.numbers import NONE, SHOWN, number, quantity
 
 
 @dataclass(frozen=True, slots=True)
@@ -247,11 +247,17 @@ class Reasons:
 
 
 def measured(p: P | None, reasons: Reasons | None = None, grade: int | None = None) -> Cell:
-    """A value with its standard error below it, and where ``reasons`` are kept with the mark of its own."""
+    """A value with its standard error below it, below that a larger systematic one.
+
+    reasons : where those for what is missing are kept, with the mark of each.
+    """
     if p is None:
         return Cell(NONE, grade=grade)
     value, stderr, _ = quantity(p)
     notes = [f"± {stderr}"] if stderr else []
+    if p.systematic and p.systematic > (p.stderr or 0.0):
+        factor = SHOWN[p.unit][1] if p.unit in SHOWN else 1.0
+        notes.append(f"± {number(p.systematic * factor, 2)} syst.")
     if reasons is not None and p.why:
         notes.append(reasons.mark(p.why))
     return Cell(value, notes, grade)

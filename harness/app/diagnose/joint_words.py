@@ -202,7 +202,7 @@ def named(
     left_out = [*paste.cannot_say("mjcf", terms), *paste.cannot_say("urdf", terms)]
     reduction = reduction_of(arm, found.reduced)
     update = {
-        "statement": _statement(result.statement, refined, arm, found.reduced.joint),
+        "statement": _statement(result.statement, refined, arm, found.reduced.joint, outcome.verdict == "adequate"),
         "baseline": _with(result.baseline, base),
         "refined": _with(result.refined, refined),
         "curve": None if over_speed is None else CurveResult.model_validate(over_speed),
@@ -224,7 +224,8 @@ def named(
 def _parameters(fitted: Fit, outcome: Outcome, one: OneJoint, explained: bool) -> dict[str, Quantity]:
     """inertia, c, f_k, offset; of a pendulum gravity and rest_angle, of a spring stiffness."""
     told = plain_parameters(fitted, outcome.problem, outcome.scales.omega, explained)
-    plain = with_systematic(told, outcome.shifts)
+    alike = outcome.verdict == "adequate" or fitted is outcome.refined is not outcome.base
+    plain = with_systematic(told, outcome.shifts) if alike else told
     torque = plain["f_k"].unit
     named = {"inertia": plain["m"], "c": plain["c"], "f_k": plain["f_k"]}
     if plain["m"].stderr is None:
@@ -256,14 +257,13 @@ def _paste(nearest: tuple[Quantity, Quantity], inertia: Quantity, arm: Arm, foun
     return JointPaste(own.joint, f_k, c, armature, float(arm.model.opt.timestep))
 
 
-def _statement(statement: str, fitted: Mapping[str, Quantity], arm: Arm, joint: str) -> str:
+def _statement(statement: str, fitted: Mapping[str, Quantity], arm: Arm, joint: str, adequate: bool) -> str:
     i = arm.index(joint)
     own = f"{arm.frictionloss[i]:.4g} and {arm.damping[i]:.4g}"
     f_k, c = fitted["f_k"], fitted["c"]
     by = [f"{q.systematic:.2g} {q.unit}" for q in (f_k, c) if q.systematic and q.systematic > (q.stderr or 0.0)]
-    hidden = (
-        f" What could hide would shift {'them' if len(by) == 2 else 'it'} by up to {' and '.join(by)}." if by else ""
-    )
+    which = "them" if len(by) == 2 else "it"
+    hidden = f" What could hide would shift {which} by up to {' and '.join(by)}." if by and adequate else ""
     return f"{joint}: dry friction {f_k}, damping {c} (in the model {own}).{hidden} {statement}"
 
 

@@ -372,6 +372,14 @@ def hiding(numbers: Mapping[str, Quantity], hidden: tuple[Hidden, ...]) -> tuple
     return (f"{laws} could be hidden in it; each number has the systematic error that it would cause",) if laws else ()
 
 
+def by_form(numbers: Mapping[str, Quantity], listed: bool) -> tuple[str, ...]:
+    """On the numbers that another form of a named law, or a listed one, would shift by more than their errors."""
+    moved = {name: q for name, q in numbers.items() if q.systematic and q.systematic > (q.stderr or 0.0)}
+    each = " and ".join(f"{name} by up to {q.systematic:.2g} {q.unit}".removesuffix(" 1") for name, q in moved.items())
+    other = "another form of the law, or another name that is listed," if listed else "another form of the law"
+    return (f"{other} would shift {each}: a systematic error, beside the standard one",) if moved else ()
+
+
 _BY_FAMILY = {
     "friction": "releases from several displacements, the smallest a few times x_k, and a longer rest at the end",
     "damping": "releases from displacements that differ by a factor of three or more",

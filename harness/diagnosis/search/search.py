@@ -35,11 +35,12 @@ from harness.model.registry import NAMED, forms_of
 
 def freed(found: Fit, problem: Problem, scales: Scales) -> Fit | None:
     """A model with the form of one of its laws free, fitted from where it ended; None where no form is another."""
-    best = min(_fitted(found, problem, scales), key=lambda f: f.bic, default=None)
+    best = min(forms(found, problem, scales), key=lambda f: f.bic, default=None)
     return None if best is None else settle(best, problem, scales)
 
 
-def _fitted(found: Fit, problem: Problem, scales: Scales) -> Iterator[Fit]:
+def forms(found: Fit, problem: Problem, scales: Scales) -> Iterator[Fit]:
+    """A model with the form of each of its laws free, as far as it could be fitted."""
     base, terms = base_of(found.free), found.model.terms
     for i, entry in enumerate(terms):
         for form in forms_of(entry.term.key):

@@ -35,7 +35,7 @@ ASKED = {
     "misled": Asked("unknown effects: named or listed as a family"),
     "alarms": Asked("controls: false alarms", "at most 1 %", most=0.01),
     "covered": Asked("true values within two standard errors, nothing hidden", "93 to 97 %", least=0.93, most=0.97),
-    "right_covered": Asked("the same where the effect was named"),
+    "right_covered": Asked("the same where the effect was named, systematic errors counted"),
     "holdout": Asked("named or listed: held-out error after over before, median", "at most 0.5", most=0.5),
     "calibration": Asked("expected calibration error of probabilities", "at most 0.05", most=0.05),
 }
@@ -93,11 +93,15 @@ def likeliest(truth: Truth, result: Result | None) -> tuple[float, bool] | None:
     return float(said[0]["probability"]), names <= set(truth["right"]) and bool(names) == is_hidden(truth)
 
 
-def within(truth: Truth, result: Result | None) -> list[bool]:
-    """Of each parameter of the base that has an error, whether its true value lies within two of them."""
+def within(truth: Truth, result: Result | None, systematic: bool = False) -> list[bool]:
+    """Of each parameter of the base that has an error, whether its true value lies within two of them.
+
+    systematic : whether that of the law's form counts as a part of it.
+    """
     said = ((result or {}).get("refined") or {}).get("parameters") or {}
     return [
-        abs(p["value"] - truth["base"][name]) <= 2.0 * p["stderr"]
+        abs(p["value"] - truth["base"][name])
+        <= 2.0 * math.hypot(p["stderr"], systematic * (p.get("systematic") or 0.0))
         for name, p in said.items()
         if name in truth["base"] and p.get("value") is not None and p.get("stderr")
     ]
@@ -117,7 +121,7 @@ def found(truths: Mapping[str, Truth], results: Mapping[str, Result]) -> list[Fi
             if truth["loss"] > PLAIN:
                 kept["told"].append(what in (NAMED, LISTED))
                 kept["bare"] += [what in (NAMED, LISTED)] if not truth["arguments"] else []
-            kept["right_covered"] += within(truth, result) if what == NAMED else []
+            kept["right_covered"] += within(truth, result, systematic=True) if what == NAMED else []
             # of a table, and of a motion too short to part, nothing is held out
             held = holdout_ratio((result or {}).get("holdout"))
             kept["holdout"] += [held] if what in (NAMED, LISTED) and math.isfinite(held) else []

@@ -329,7 +329,7 @@ def _numbers(result: DiagnosisResult) -> b.Section:
             values = [shown(one.get(c)) for one in (held.baseline_rmse, held.refined_rmse)]
             row(f"rmse of {c}, held out", unit, values, last)
     columns = [b.Column(name, str) for name in (*names, "noise")]
-    caption = "Below each value: one standard error."
+    caption = "Below each value: one standard error, and a larger systematic one."
     return b.Section(
         "Model and numbers",
         [b.Table("", columns, rows, caption, "", reasons.footnotes), *([_held_out(result)] if held.spans_s else [])],
