@@ -110,7 +110,7 @@ def _window_residuals(t: FloatArray, y: FloatArray, width: int, degree: int, eve
 
 _RATIOS = (0.0, *np.logspace(-1.0, 8.0, 46).tolist())
 """Noise where the signal changes fastest over that where it stands still, as variances, less one."""
-_ROUNDED = 2.0
+ROUNDED = 2.0
 """Times its own variance, up to which the noise of a quantised channel is its rounding, less of it where it is slow."""
 
 
@@ -142,7 +142,7 @@ class Stamps:
         jitter by likelihood, 0 unless that is decisive. left_out (n,) : samples whose windows do not count.
         """  # fmt: skip
         none = cls(np.ones(t.size), 0.0)
-        if not noise.found or noise.sigma**2 < _ROUNDED * noise.step**2 / 12.0 or t.size < _FEWEST_WINDOWS * width:
+        if not noise.found or noise.sigma**2 < ROUNDED * noise.step**2 / 12.0 or t.size < _FEWEST_WINDOWS * width:
             return none
         whole = t.size // width * width
         power = np.sum(_window_residuals(t, y, width, degree) ** 2, axis=1)

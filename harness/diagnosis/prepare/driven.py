@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.core.arrays import BoolArray, FloatArray
+from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.base_fit import driven_scales, own_scales
@@ -27,6 +27,7 @@ from harness.diagnosis.rules import DECISIVE, FORCE_HELD
 from harness.diagnosis.smoothed_state.state import Course, inverse_start
 from harness.diagnosis.starts import OneStart, Windows
 from harness.estimate.noise import Noise, channel_noise
+from harness.estimate.readings import one_word
 from harness.estimate.rest import quiet_at_rest
 from harness.estimate.saturation import within_range
 from harness.estimate.stray import stray_in
@@ -111,7 +112,7 @@ def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course, tuple[str
         t,
         channels,
         noise,
-        weight={c: np.where((stray.get(c, 0.0) == 0.0) & ~_repeats(y), 1.0, 0.0) for c, y in channels.items()},
+        weight={c: np.where((stray.get(c, 0.0) == 0.0) & one_word(y), 1.0, 0.0) for c, y in channels.items()},
         drive=between_samples(t, u, course.longest),
         mass=asked.mass,
         restoring=restoring,
@@ -123,13 +124,6 @@ def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course, tuple[str
         starts=course.anew(math.inf) if gaps else OneStart(),
     )
     return problem, course, (*held, *said)
-
-
-def _repeats(y: FloatArray) -> BoolArray:
-    """Readings (n,) of an encoder that say again what both neighbours say: rounded alike, they are one word."""
-    same = np.zeros(y.size, dtype=np.bool_)
-    same[1:-1] = (y[1:-1] == y[:-2]) & (y[1:-1] == y[2:])
-    return same
 
 
 def _followed(problem: Driven, course: Course, u: FloatArray, asked: Asked) -> tuple[Forced, tuple[str, ...]]:

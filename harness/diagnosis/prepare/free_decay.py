@@ -22,6 +22,7 @@ from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.request import Asked
 from harness.estimate.noise import channel_noise
+from harness.estimate.readings import one_word
 from harness.estimate.reversals import Kind, NoDecay, find_half_cycles
 from harness.estimate.saturation import believed
 from harness.model.model import Restoring
@@ -46,6 +47,7 @@ def free_decay_problem(recording: Recording, asked: Asked) -> tuple[FreeDecay, t
         recording.t,
         channels,
         {c: channel_noise(recording.t, y, period) for c, y in channels.items()},
+        weight={c: np.where(one_word(y), 1.0, 0.0) for c, y in channels.items()},
         mass=asked.mass,
         angular=recording.angular,
         covariates=values_in(asked.covariates, recording),
@@ -57,10 +59,6 @@ def free_decay_problem(recording: Recording, asked: Asked) -> tuple[FreeDecay, t
         if touched > 0.0:
             notes = (*notes, f"skipped the first {touched:.2g} s after the release (hand still in contact?)")
     return replace(problem, acting=tuple(Acting.of(one, recording) for one in asked.covariates)), notes
-
-
-_WORDS = 2
-"""Samples that are kept of a rest in which they are all the same."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,10 +86,6 @@ def _in_motion(recording: Recording, restoring: Restoring) -> _Moving:
     late = float(found.edges[-1]) + _REST * float(found.edges[-1] - found.edges[0])
     if late < t[-1]:
         end = int(np.searchsorted(t, late))
-    # an encoder that stands says one word again and again, its rounding with it
-    stands = int(np.flatnonzero(y[:end] != y[end - 1])[-1]) + 1
-    if t[end - 1] - t[stands] > found.half_time:
-        end = stands + _WORDS
     if end - begin < MINIMUM_SAMPLES:
         return _Moving(recording)
     if begin > 0:
