@@ -10,7 +10,8 @@ class Quantity:
 
     value : None when the estimate was refused. stderr : one standard error, None only with a reason.
     unit : SI symbol, "1" for a pure number. why : the reason for what is missing.
-    systematic : what effects that could not be seen could shift it by, None where that was not asked.
+    systematic : what effects that could not be seen, or another form of a named law, could shift it by, None where that
+    was not asked.
     """
 
     value: float | None

@@ -135,7 +135,9 @@ class P(Result):
     stderr: float | None
     unit: str
     why: str | None = rare()
-    systematic: float | None = rare("what effects that could not be seen could shift it by")
+    systematic: float | None = rare(
+        "what effects that could not be seen, or another form of a named law, could shift it by"
+    )
 
     @model_validator(mode="after")
     def _nothing_missing_without_reason(self) -> "P":
