@@ -81,8 +81,17 @@ def test_an_effect_is_of_its_joint_alone(arm: Arm) -> None:
     ],
 )
 def test_right_is_the_mechanism_in_its_joint(found: list[Any], hidden: list[str], said: str) -> None:
-    entries = [{"name": name, "joint": joint, "partner": "", "rivals": rivals} for name, joint, rivals in found]
+    entries = [{"name": name, "joint": joint, "grade": "main", "rivals": rivals} for name, joint, rivals in found]
     assert outcome({"right": hidden}, {"verdict": "main_effect", "found": entries}) == said
+
+
+def test_what_is_small_claims_beside_nothing_right_of_its_joint_alone() -> None:
+    small = {"name": "quadratic-drag", "joint": "j2", "grade": "minor", "rivals": []}
+    right = {"name": "stribeck", "joint": "j2", "grade": "main", "rivals": []}
+    hidden = {"right": ["j2: stribeck"]}
+    assert outcome(hidden, {"found": [right, small]}) == "named"
+    assert outcome(hidden, {"found": [small]}) == "wrong"
+    assert outcome(hidden, {"found": [right, {**small, "joint": "j1"}]}) == "wrong"
 
 
 def test_friction_of_every_joint_is_found_in_a_clean_log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

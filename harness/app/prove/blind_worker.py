@@ -82,7 +82,7 @@ def diagnosed(recording: bytes, arguments: Sequence[str]) -> dict[str, Any]:
     }
     arm = (full.get("robot") or {}).get("arm")
     if arm is not None:
-        rest["found"] = [{key: one[key] for key in ("name", "joint", "partner", "rivals")} for one in arm["found"]]
+        rest["found"] = [{key: one[key] for key in ("name", "joint", "grade", "rivals")} for one in arm["found"]]
     return {name: full[name] for name in kept} | rest
 
 

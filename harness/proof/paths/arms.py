@@ -114,8 +114,8 @@ class Arm:
 
     def loss(self, p: FloatArray, tables: FloatArray = NONE) -> float:
         """Log-likelihood that the base is expected to lose, in effective samples, as of a joint that moves alone."""
-        if self.tick * self._stiff(p) > _FINEST:
-            # over within a step: nobody sees it
+        if self.dt * self._stiff(p) > 1.0:
+            # a joint that rings on its bristles from sample to sample looks like anything, and shows nothing
             return 0.0
         run = self.run(p, tables)
         if not np.all(np.isfinite(run)) or np.max(np.abs(run)) > 1e9:
@@ -132,7 +132,11 @@ class Arm:
         run = self.run(p, tables)
         x, v = run[:, self.joint, 0], run[:, self.joint, 1]
         columns = [v, np.sign(v), np.ones_like(v)]
-        return projected(x, v, self.dt, self._extra(run, p)[:, self.joint], columns)
+        # friction that any wave of the position carries is an arm's law of that name
+        waves = [2.0 * math.pi * n / (np.ptp(x) or 1.0) * x for n in np.geomspace(0.25, 40.0, 50)]
+        carried = [np.sign(v) * np.stack((np.cos(one), np.sin(one))) for one in waves]
+        more = {"position-dependent-friction": carried}
+        return projected(x, v, self.dt, self._extra(run, p)[:, self.joint], columns, more)
 
     def right(self, names: tuple[str, ...]) -> list[str]:
         """Names with the joint that they are of; errors of the model are of none but a motor's."""

@@ -1,8 +1,10 @@
 """Machines of each way, what their sensors show, and how much an effect is worth in them."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from types import MappingProxyType
 
 import numpy as np
 from scipy.linalg import orth
@@ -242,15 +244,16 @@ def laws_of(rig: Rig, p: FloatArray, tables: FloatArray) -> dict[str, float]:
 
 
 def projected(
-    x: FloatArray, v: FloatArray, dt: float, extra: FloatArray, columns: list[FloatArray]
-) -> dict[str, float]:
-    """The share of a force's squares, (n,), that each law takes beside columns along a motion."""
+    x: FloatArray, v: FloatArray, dt: float, extra: FloatArray, columns: list[FloatArray],
+    more: Mapping[str, list[FloatArray]] = MappingProxyType({}),
+) -> dict[str, float]:  # fmt: skip
+    """The share of a force's squares, (n,), that each law takes beside columns along a motion; more : further forms."""
     moving = np.abs(v) > 0.02 * np.max(np.abs(v))
     basis = orth(np.column_stack([c[moving] / max(np.max(np.abs(c)), 1e-300) for c in columns]), 1e-9)
     y = extra[moving] - basis @ (basis.T @ extra[moving])
     found: dict[str, float] = {}
     for name, tries in laws(x[moving], v[moving], dt * np.flatnonzero(moving).astype(np.float64)).items():
-        for law in tries:
+        for law in (*tries, *(one[..., moving] for one in more.get(name, ()))):
             own = np.atleast_2d(law).T
             left = _without(y, [*(own - basis @ (basis.T @ own)).T])
             found[name] = max(found.get(name, 0.0), 1.0 - float(np.sum(left**2) / max(np.sum(y**2), 1e-300)))

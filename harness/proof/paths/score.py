@@ -2,7 +2,7 @@
 
 A name claims where it is graded "main" or "explains", a list where it has three names at most. A second name that is
 none of the mechanism makes the whole wrong, and so does a short list without it. Of a whole arm every entry claims,
-small ones too, and of the joint that it names.
+small ones too, of the joint that it names, but those beside what is right of the same joint.
 """
 
 import math
@@ -60,15 +60,23 @@ def outcome(truth: Truth, result: Result | None) -> str:
 
 
 def _of_arm(right: set[str], found: Iterable[Mapping[str, Any]]) -> str:
-    """Of an arm whatever is found claims, with the joint it is of: one entry of a joint that has nothing is wrong."""
-    said = []
+    """Of an arm whatever is found claims, with the joint it is of; but as elsewhere a small one beside what is right of
+    its joint claims nothing."""
+    said: dict[str, list[tuple[str, bool]]] = {}
     for one in found:
         named, listed = (
             {f"{one['joint']}: {name}" if one["joint"] and name not in OF_MODEL else name for name in names}
             for names in ((one["name"],), one["rivals"])
         )
-        said.append(NAMED if named & right else LISTED if listed & right else WRONG)
-    return next((what for what in (WRONG, LISTED, NAMED) if what in said), SILENT)
+        what = NAMED if named & right else LISTED if listed & right else WRONG
+        said.setdefault(one["joint"] or "", []).append((what, one["grade"] == "minor"))
+    kept = {
+        what
+        for entries in said.values()
+        for what, minor in entries
+        if what != WRONG or not minor or all(other == WRONG for other, _ in entries)
+    }
+    return next((what for what in (WRONG, LISTED, NAMED) if what in kept), SILENT)
 
 
 def changes(result: Result | None) -> set[str]:
