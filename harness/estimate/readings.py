@@ -1,24 +1,32 @@
-"""Which readings of a sensor that counts say something of their own."""
+"""What readings of a sensor that counts say of their own."""
 
 import numpy as np
 
-from harness.core.arrays import BoolArray, FloatArray
+from harness.core.arrays import FloatArray
+from harness.estimate.noise import ROUNDED, Noise
+
+_MANY = 3
+"""Readings that are alike, one after another, from which on they are one word."""
 
 
-def one_word(y: FloatArray) -> BoolArray:
-    """Samples (n,) that count: of three or more readings that are the same, one after another, the middle one.
+def words(y: FloatArray, noise: Noise) -> FloatArray:
+    """Weights (n,) of readings: of three or more that are the same, one after another, the middle alone counts.
 
-    Rounded alike, they are one word. In the middle it errs least where the sensor passes by; at either end it is half a
-    step off.
+    Rounded alike, they are one word. In the middle it errs least where the sensor passes by, by less than the mean of
+    as many roundings would, and counts as that; at either end it is half a step off. Where the sensor turns round or
+    stands it may be half a step off anywhere, and counts as one; but not where noise beyond the rounding brings other
+    readings to either side, which makes each a word of its own.
     """
     first = np.flatnonzero(np.concatenate(([True], y[1:] != y[:-1])))
-    last = np.concatenate((first[1:], [y.size])) - 1
-    counts = np.zeros(y.size, dtype=np.bool_)
-    few = last - first < _MANY
-    counts[first[few]] = counts[last[few]] = True
-    counts[((first + last) // 2)[~few]] = True
-    return counts
-
-
-_MANY = 2
-"""Intervals between readings that are alike, from which on they are one word."""
+    size = np.diff(np.concatenate((first, [y.size])))
+    step = np.sign(np.diff(y[first]))
+    passes = np.zeros(size.size, dtype=np.bool_)
+    passes[1:-1] = step[1:] == step[:-1]
+    dithered = 0.0 < ROUNDED * noise.step**2 / 12.0 <= noise.sigma**2
+    weight = np.ones(y.size)
+    for run in np.flatnonzero((size >= _MANY) & (passes | (not dithered))):
+        begin, n, worth = first[run], size[run], size[run] if passes[run] else 1.0
+        middle = slice(begin + (n - 1) // 2, begin + n // 2 + 1)
+        weight[begin : begin + n] = 0.0
+        weight[middle] = np.sqrt(worth / (middle.stop - middle.start))
+    return weight

@@ -48,7 +48,7 @@ def test_the_form_of_a_law_is_in_the_errors_of_the_other_numbers(fall: float, no
 
 
 def test_a_run_down_that_an_encoder_reads_to_its_end_is_clean() -> None:
-    t, x, _ = run_down(0.0, 500.0)
+    t, x, _ = run_down(0.0, 2000.0)
     step = 0.02
     found = harness.diagnose(Recording(t, {"x": step * np.round(x / step)}), mass=1.0, engines=())
     assert found.verdict == "adequate"

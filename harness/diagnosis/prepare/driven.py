@@ -27,7 +27,7 @@ from harness.diagnosis.rules import DECISIVE, FORCE_HELD
 from harness.diagnosis.smoothed_state.state import Course, inverse_start
 from harness.diagnosis.starts import OneStart, Windows
 from harness.estimate.noise import Noise, channel_noise
-from harness.estimate.readings import one_word
+from harness.estimate.readings import words
 from harness.estimate.rest import quiet_at_rest
 from harness.estimate.saturation import within_range
 from harness.estimate.stray import stray_in
@@ -112,7 +112,7 @@ def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course, tuple[str
         t,
         channels,
         noise,
-        weight={c: np.where((stray.get(c, 0.0) == 0.0) & one_word(y), 1.0, 0.0) for c, y in channels.items()},
+        weight={c: np.where(stray.get(c, 0.0) == 0.0, words(y, noise[c]), 0.0) for c, y in channels.items()},
         drive=between_samples(t, u, course.longest),
         mass=asked.mass,
         restoring=restoring,

@@ -22,7 +22,7 @@ from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.request import Asked
 from harness.estimate.noise import channel_noise
-from harness.estimate.readings import one_word
+from harness.estimate.readings import words
 from harness.estimate.reversals import Kind, NoDecay, find_half_cycles
 from harness.estimate.saturation import believed
 from harness.model.model import Restoring
@@ -43,11 +43,12 @@ def free_decay_problem(recording: Recording, asked: Asked) -> tuple[FreeDecay, t
     channels = {c: recording[c] for c in ("x", "v", "a") if c in recording}
     omega = dominant_frequency(recording.t, next(iter(channels.values())))
     period = 2.0 * math.pi / omega if math.isfinite(omega) and omega > 0.0 else None
+    noise = {c: channel_noise(recording.t, y, period) for c, y in channels.items()}
     problem = FreeDecay(
         recording.t,
         channels,
-        {c: channel_noise(recording.t, y, period) for c, y in channels.items()},
-        weight={c: np.where(one_word(y), 1.0, 0.0) for c, y in channels.items()},
+        noise,
+        weight={c: words(y, noise[c]) for c, y in channels.items()},
         mass=asked.mass,
         angular=recording.angular,
         covariates=values_in(asked.covariates, recording),

@@ -21,7 +21,7 @@ from harness.diagnosis.request import Asked
 from harness.diagnosis.smoothed_state.local_cubics import longest_interval, smoothed
 from harness.diagnosis.starts import AtSpeed, OneStart
 from harness.estimate.noise import Stamps, channel_noise
-from harness.estimate.readings import one_word
+from harness.estimate.readings import words
 from harness.estimate.saturation import believed
 from harness.model.model import Restoring
 
@@ -66,7 +66,7 @@ def run_down_problem(recording: Recording, asked: Asked) -> tuple[RunDown, tuple
         cut.t,
         channels,
         noise,
-        weight={c: np.where(one_word(y), 1.0, 0.0) for c, y in channels.items()},
+        weight={c: words(y, noise[c]) for c, y in channels.items()},
         mass=asked.mass,
         angular=cut.angular,
         starts=OneStart() if "x" in channels else AtSpeed(),
