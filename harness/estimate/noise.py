@@ -82,6 +82,11 @@ class Noise:
         return noisy
 
 
+def rounded(variance: float, step: float) -> bool:
+    """Whether noise of this variance is hardly more than the rounding to a step, in the channel's unit."""
+    return variance < _ROUNDED * step**2 / 12.0
+
+
 def _windows(y: FloatArray, width: int, every: int = 1) -> FloatArray:
     """Every so manieth window of ``width`` samples of y (n,)."""
     return y[: y.size // width * width].reshape(-1, width)[::every]
@@ -110,7 +115,7 @@ def _window_residuals(t: FloatArray, y: FloatArray, width: int, degree: int, eve
 
 _RATIOS = (0.0, *np.logspace(-1.0, 8.0, 46).tolist())
 """Noise where the signal changes fastest over that where it stands still, as variances, less one."""
-ROUNDED = 2.0
+_ROUNDED = 2.0
 """Times its own variance, up to which the noise of a quantised channel is its rounding, less of it where it is slow."""
 
 
@@ -142,7 +147,7 @@ class Stamps:
         jitter by likelihood, 0 unless that is decisive. left_out (n,) : samples whose windows do not count.
         """  # fmt: skip
         none = cls(np.ones(t.size), 0.0)
-        if not noise.found or noise.sigma**2 < ROUNDED * noise.step**2 / 12.0 or t.size < _FEWEST_WINDOWS * width:
+        if not noise.found or rounded(noise.sigma**2, noise.step) or t.size < _FEWEST_WINDOWS * width:
             return none
         whole = t.size // width * width
         power = np.sum(_window_residuals(t, y, width, degree) ** 2, axis=1)

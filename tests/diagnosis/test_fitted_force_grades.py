@@ -96,9 +96,18 @@ def test_equal_readings_of_an_encoder_are_one_word() -> None:
     t = np.arange(2000) / 250.0
     read = 2e-3 * np.round(50.0 * np.sin(3.0 * t))
     problem, _ = prepare(Recording(t, {"x": read, "u": np.cos(3.0 * t)}), Asked(Restoring.NONE))
-    alike = (read[1:-1] == read[:-2]) & (read[1:-1] == read[2:])
-    assert 0.1 < np.mean(alike) < 0.9
-    assert np.array_equal(problem.weight["x"][1:-1] == 0.0, alike)
+    weight = problem.weight["x"]
+    first = np.flatnonzero(np.concatenate(([True], np.diff(read) != 0.0)))
+    runs = [slice(i, j) for i, j in zip(first, [*first[1:], t.size], strict=True)]
+    several = [run for run in runs if run.stop - run.start > 2]
+    assert 0.1 < sum(run.stop - run.start for run in several) / t.size < 0.9
+    assert all(np.all(weight[run] == 1.0) for run in runs if run not in several)
+    for run in several:
+        # of what passes by as much as the run, of a turn and at either end as one
+        passes = run.start > 0 and run.stop < t.size and read[run.start - 1] != read[run.stop]
+        assert math.isclose(float(np.sum(weight[run] ** 2)), run.stop - run.start if passes else 1)
+        # in its middle
+        assert math.isclose(float(np.mean(np.flatnonzero(weight[run]))), 0.5 * (run.stop - run.start - 1))
 
 
 @cache

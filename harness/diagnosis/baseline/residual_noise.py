@@ -8,7 +8,7 @@ from scipy.special import chdtrc
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.diagnosis.rules import AS_FAST, STEADY
-from harness.estimate.noise import FLOOR, ROUNDED, Noise, quantisation_step
+from harness.estimate.noise import FLOOR, Noise, quantisation_step, rounded
 
 _SHARE_OF_PERIOD = 0.25
 """Length of a window: a cubic follows a quarter of a swing to two thousandths."""
@@ -140,7 +140,7 @@ def residual_noise(t: FloatArray, residual: FloatArray, channel: FloatArray, per
             phi = 0.0 if phi > _LONGEST_COLOUR else phi
             variance = total / sane.shape[0] / float(np.interp(phi, _GRID, level))
     step = quantisation_step(channel)
-    if variance < ROUNDED * step * step / 12.0:
+    if rounded(variance, step):
         # a rounding says of the next one what the speed makes of it, which no colour does
         phi = 0.0
     sigma = math.sqrt(max(variance, step * step / 12.0))

@@ -112,7 +112,7 @@ def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course, tuple[str
         t,
         channels,
         noise,
-        weight={c: np.where(stray.get(c, 0.0) == 0.0, words(y, noise[c]), 0.0) for c, y in channels.items()},
+        weight={c: np.where(stray.get(c, 0.0) == 0.0, words(y), 0.0) for c, y in channels.items()},
         drive=between_samples(t, u, course.longest),
         mass=asked.mass,
         restoring=restoring,

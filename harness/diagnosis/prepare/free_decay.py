@@ -48,7 +48,7 @@ def free_decay_problem(recording: Recording, asked: Asked) -> tuple[FreeDecay, t
         recording.t,
         channels,
         noise,
-        weight={c: words(y, noise[c]) for c, y in channels.items()},
+        weight={c: words(y) for c, y in channels.items()},
         mass=asked.mass,
         angular=recording.angular,
         covariates=values_in(asked.covariates, recording),

@@ -66,7 +66,7 @@ def run_down_problem(recording: Recording, asked: Asked) -> tuple[RunDown, tuple
         cut.t,
         channels,
         noise,
-        weight={c: words(y, noise[c]) for c, y in channels.items()},
+        weight={c: words(y) for c, y in channels.items()},
         mass=asked.mass,
         angular=cut.angular,
         starts=OneStart() if "x" in channels else AtSpeed(),
