@@ -20,7 +20,7 @@ import click
 
 from harness.cli.progress import shown
 from harness.core.errors import InputError, visible
-from harness.core.quantity import Quantity
+from harness.core.quantity import Quantity, outweighs
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -193,7 +193,7 @@ def with_error(number: "P | None", said: str = "") -> str:
     if number.stderr >= _LARGE:
         return str(Quantity(number.value, number.stderr, unit.strip() or "1"))
     decimals = min(max(1 - math.floor(math.log10(number.stderr)), 0), 12)
-    systematic = f"\nsyst. +- {number.systematic:.2g}" if (number.systematic or 0.0) > number.stderr else ""
+    systematic = f"\nsyst. +- {number.systematic:.2g}" if outweighs(number.systematic, number.stderr) else ""
     return f"{number.value:.{decimals}f} +- {number.stderr:.{decimals}f}{unit}{systematic}"
 
 

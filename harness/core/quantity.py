@@ -64,6 +64,11 @@ def _decimals(error: float) -> int:
 _TWO_DIGITS_BELOW = 2.95
 
 
+def outweighs(systematic: float | None, stderr: float | None) -> bool:
+    """Whether a systematic error is larger than the standard one, and to be shown beside it."""
+    return (systematic or 0.0) > (stderr or 0.0)
+
+
 _ABOUT_AN_AXIS = {
     "m": "rad",
     "m/s": "rad/s",

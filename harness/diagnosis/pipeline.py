@@ -3,7 +3,7 @@
 Where kinds of problem differ, their own files say how (harness.diagnosis.kinds); what is said here is the same for all.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any
@@ -30,7 +30,6 @@ from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.standard_errors import base_parameters
 from harness.diagnosis.grading.beginning import after_first_turn, from_the_beginning, from_within, with_second
 from harness.diagnosis.grading.clock_drift import off_the_clock, with_clock
-from harness.diagnosis.grading.contest import Finalist
 from harness.diagnosis.grading.grade import Graded, grade
 from harness.diagnosis.grading.misfit import misfit
 from harness.diagnosis.grading.posterior import of_contest, of_search, probability
@@ -225,7 +224,8 @@ def _said(judged: Judged) -> Outcome:
     told: Mapping[str, Quantity] = numbers
     if refined is not found.base or verdict != "adequate":
         explained = verdict != "unexplained"
-        shifts = shifted_by_form(refined, _listed(judged.found, mechanisms), problem, scales, explained)
+        fits = found.rivals if by_force is None else [one.fit for one in by_force.named]
+        shifts = shifted_by_form(refined, _listed(mechanisms, fits), problem, scales, explained)
         told = with_systematic(base_parameters(refined, problem, scales.omega, explained), shifts)
         said = (*said, *by_form(told, verdict == "one_of"))
     outcome = Outcome(
@@ -255,21 +255,10 @@ def _said(judged: Judged) -> Outcome:
     return outcome if by_force is None else with_force_tables(outcome, by_force)
 
 
-def _listed(found: Found, mechanisms: Sequence[Mechanism]) -> list[Fit]:
-    """Fits of the names that are listed beside the first."""
-    if found.by_force is not None:
-        return _of_names(found.by_force.named, mechanisms)
-    names = _names_listed(mechanisms)
-    return [f for f in found.search.rivals if len(f.model.terms) == 1 and key_of(f)[0] in names]
-
-
-def _of_names(named: Sequence[Finalist], mechanisms: Sequence[Mechanism]) -> list[Fit]:
-    names = _names_listed(mechanisms)
-    return [one.fit for one in named if one.name in names]
-
-
-def _names_listed(mechanisms: Sequence[Mechanism]) -> set[str]:
-    return {m.name for m in mechanisms[1:] if m.grade is Grade.ONE_OF}
+def _listed(mechanisms: Sequence[Mechanism], fits: Iterable[Fit]) -> list[Fit]:
+    """Those of the names that are listed beside the first."""
+    names = {m.name for m in mechanisms[1:] if m.grade is Grade.ONE_OF}
+    return [f for f in fits if f.model.terms and f.model.terms[-1].term.name in names]
 
 
 def _misfit_said(judged: Judged, graded: Graded) -> Outcome:
@@ -281,7 +270,7 @@ def _misfit_said(judged: Judged, graded: Graded) -> Outcome:
     refined = base if best is seen.base else under(best, problem)
     mechanisms = tuple(of_misfit(f, graded, base, problem) for f in graded.named)
     first = mechanisms[0].held_out if mechanisms else None
-    others = [under(f, problem) for f in _of_names(graded.named, mechanisms)]
+    others = [under(f, problem) for f in _listed(mechanisms, [one.fit for one in graded.named])]
     shifts = shifted_by_form(refined, others, problem, scales, explained=False)
     told = with_systematic(base_parameters(refined, problem, scales.omega, explained=False), shifts)
     outcome = Outcome(

@@ -45,7 +45,8 @@ class Observation:
 class Problem(ABC):
     """What is to be explained; arrays have shape (n,).
 
-    t : s. channels : "x", "v", "a" as measured. noise : per channel. weight : 0 leaves a sample out of the fit, or 1.
+    t : s. channels : "x", "v", "a" as measured. noise : per channel. weight : 0 leaves a sample out of
+    the fit, 1 of any other, more of one that stands for several.
     level : by channel, each sample's noise over the channel's. jitter : of the time stamps, s, 0 where none shows.
     mass : kg, None when unknown (then m = 1 and forces are per unit mass, unless a measured force gives the mass).
     zero_free : x is measured from an unknown zero. zero_chosen : nobody said whether it is. angular : x or a was given

@@ -1,13 +1,18 @@
 """What readings of a sensor that counts say of their own."""
 
+import math
+
 import numpy as np
 
 from harness.core.arrays import FloatArray
 
 _MANY = 3
 """Readings that are alike, one after another, from which on they are one word."""
-_STANDS = 12
-"""The same where readings go to and fro, which noise makes them do without a turn."""
+_BY_NOISE = 0.01
+_STANDS = 1 + math.ceil(math.log(_BY_NOISE) / math.log(math.erf(math.sqrt(1.5))))
+"""The same where noise brings others to either side: beside noise as large as the rounding, of variance step^2/12, a
+reading in the middle of its step is followed by another such one with erf(sqrt(3/2)) = .92, so that one run in a
+hundred is as long."""
 
 
 def words(y: FloatArray) -> FloatArray:
@@ -15,21 +20,21 @@ def words(y: FloatArray) -> FloatArray:
 
     Rounded alike, they are one word. In the middle it errs least where the sensor passes by, by less than the mean of
     as many roundings would, and counts as that; at either end it is half a step off. Where the sensor turns round or
-    stands it may be half a step off anywhere, and counts as one; short runs that follow one another to and fro are
-    noise, whose readings are words of their own.
+    stands it may be half a step off anywhere, and counts as one. Beside short runs to and fro it is noise that brings
+    the readings, each a word of its own.
     """
     first = np.flatnonzero(np.concatenate(([True], y[1:] != y[:-1])))
     size = np.diff(np.concatenate((first, [y.size])))
     step = np.sign(np.diff(y[first]))
     passes = np.zeros(size.size, dtype=np.bool_)
     passes[1:-1] = step[1:] == step[:-1]
-    # an end of the recording is as good as a neighbour that passes
-    beside = np.concatenate(([True], passes, [True]))
-    turns = beside[:-2] & beside[2:] | (size >= _STANDS)
-    weight = np.ones(y.size)
-    for run in np.flatnonzero((size >= _MANY) & (passes | turns)):
-        begin, n, worth = first[run], size[run], size[run] if passes[run] else 1.0
-        middle = slice(begin + (n - 1) // 2, begin + n // 2 + 1)
-        weight[begin : begin + n] = 0.0
-        weight[middle] = np.sqrt(worth / (middle.stop - middle.start))
+    # an end of the recording is as good a neighbour
+    steady = np.concatenate(([True], passes | (size >= _MANY), [True]))
+    turns = steady[:-2] & steady[2:] | (size >= _STANDS)
+    one = (size >= _MANY) & (passes | turns)
+    weight = np.where(np.repeat(one, size), 0.0, 1.0)
+    # of an even run both in the middle, each half a sample early or late
+    share = np.sqrt(np.where(passes, size, 1.0) / (2.0 - size % 2))
+    for middle in (first + (size - 1) // 2, first + size // 2):
+        weight[middle[one]] = share[one]
     return weight

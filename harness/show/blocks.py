@@ -7,6 +7,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from harness.core.arrays import FloatArray
+from harness.core.quantity import outweighs
 from harness.results.common import P
 from harness.show.numbers import NONE, SHOWN, number, quantity
 
@@ -24,9 +25,10 @@ class Cell:
     hint: str = ""
 
 
-_SEVERAL = 2
 Shown: TypeAlias = Cell | str | float | None
 """What stands for an item in a column: a text, a number, None for a dash."""
+_SEVERAL = 2
+"""Rows from which on a column of dashes says nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -255,7 +257,7 @@ def measured(p: P | None, reasons: Reasons | None = None, grade: int | None = No
         return Cell(NONE, grade=grade)
     value, stderr, _ = quantity(p)
     notes = [f"± {stderr}"] if stderr else []
-    if p.systematic and p.systematic > (p.stderr or 0.0):
+    if p.systematic and outweighs(p.systematic, p.stderr):
         factor = SHOWN[p.unit][1] if p.unit in SHOWN else 1.0
         notes.append(f"± {number(p.systematic * factor, 2)} syst.")
     if reasons is not None and p.why:

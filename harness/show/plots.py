@@ -18,6 +18,7 @@ POINTS = 28_000
 """Samples of one figure of a page, all curves together: those of a run take about 3 MB."""
 GROUP = "time"
 _WIDE = 100.0
+"""Of a logarithmic axis from end to end, above which its ticks are decades."""
 CHANNELS = {
     "x": ("position", "mm", 1e3),
     "v": ("speed", "m/s", 1.0),

@@ -13,7 +13,7 @@ from harness.app.diagnose.joint_case import JointCase
 from harness.app.diagnose.result import Diagnosed
 from harness.app.shared.parts import reduction_of
 from harness.core.arrays import FloatArray
-from harness.core.quantity import Quantity
+from harness.core.quantity import Quantity, outweighs
 from harness.diagnosis.explain.could_hide import with_systematic
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.standard_errors import plain_parameters
@@ -224,8 +224,8 @@ def named(
 def _parameters(fitted: Fit, outcome: Outcome, one: OneJoint, explained: bool) -> dict[str, Quantity]:
     """inertia, c, f_k, offset; of a pendulum gravity and rest_angle, of a spring stiffness."""
     told = plain_parameters(fitted, outcome.problem, outcome.scales.omega, explained)
-    alike = outcome.verdict == "adequate" or fitted is outcome.refined is not outcome.base
-    plain = with_systematic(told, outcome.shifts) if alike else told
+    # what is missing beside the base model is no shift of its numbers
+    plain = with_systematic(told, outcome.shifts if outcome.verdict == "adequate" or fitted.model.terms else {})
     torque = plain["f_k"].unit
     named = {"inertia": plain["m"], "c": plain["c"], "f_k": plain["f_k"]}
     if plain["m"].stderr is None:
@@ -261,7 +261,7 @@ def _statement(statement: str, fitted: Mapping[str, Quantity], arm: Arm, joint: 
     i = arm.index(joint)
     own = f"{arm.frictionloss[i]:.4g} and {arm.damping[i]:.4g}"
     f_k, c = fitted["f_k"], fitted["c"]
-    by = [f"{q.systematic:.2g} {q.unit}" for q in (f_k, c) if q.systematic and q.systematic > (q.stderr or 0.0)]
+    by = [f"{q.systematic:.2g} {q.unit}" for q in (f_k, c) if outweighs(q.systematic, q.stderr)]
     which = "them" if len(by) == 2 else "it"
     hidden = f" What could hide would shift {which} by up to {' and '.join(by)}." if by and adequate else ""
     return f"{joint}: dry friction {f_k}, damping {c} (in the model {own}).{hidden} {statement}"

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 
-from harness.core.quantity import Quantity
+from harness.core.quantity import Quantity, outweighs
 from harness.diagnosis.baseline.words import strokes_of
 from harness.diagnosis.explain.could_hide import Hidden
 from harness.diagnosis.explain.next_experiment import Open, Release, releases
@@ -374,7 +374,7 @@ def hiding(numbers: Mapping[str, Quantity], hidden: tuple[Hidden, ...]) -> tuple
 
 def by_form(numbers: Mapping[str, Quantity], listed: bool) -> tuple[str, ...]:
     """On the numbers that another form of a named law, or a listed one, would shift by more than their errors."""
-    moved = {name: q for name, q in numbers.items() if q.systematic and q.systematic > (q.stderr or 0.0)}
+    moved = {name: q for name, q in numbers.items() if outweighs(q.systematic, q.stderr)}
     each = " and ".join(f"{name} by up to {q.systematic:.2g} {q.unit}".removesuffix(" 1") for name, q in moved.items())
     other = "another form of the law, or another name that is listed," if listed else "another form of the law"
     return (f"{other} would shift {each}: a systematic error, beside the standard one",) if moved else ()

@@ -49,11 +49,7 @@ def diagnosis_scene(
         # no time to draw over
         return s.of_result(name, s.Columns(side[::-1], [3.0, 2.0][-len(side) :]), result, notes, parts)
     seen = Curves(recording, simulated, result)
-    curves, rests, plane = (
-        seen.over_time(),
-        [_from(recording.t[0], figure) for figure in seen.residuals()],
-        seen.orbit(),
-    )
+    curves, rests = seen.over_time(), [_from(recording.t[0], figure) for figure in seen.residuals()]
     lanes = list[s.Layout]()
     if spans := shaded_spans(result):
         looks = {_APART: ("they differ", BEFORE), _ELSEWHERE: ("elsewhere", "#3a414b")}

@@ -13,12 +13,11 @@ from pathlib import Path, PurePath
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, FileSystemBytecodeCache, PackageLoader, StrictUndefined
+from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from harness.core.arrays import FloatArray
 from harness.core.bounded import MOST_DOCUMENT_BYTES, read_bytes
-from harness.core.kernel_cache import cache_folder
 from harness.core.writing import replacing
 from harness.results.common import Machine
 from harness.show.blocks import Block, Code, Facts, Figure, Page, Section
@@ -35,11 +34,7 @@ _SCRIPT_SHARED = f'<script src="{_SHARED.as_posix()}"></script>'
 
 @cache
 def _environment() -> Environment:
-    # what templates compile to is code, and lies where only this user can write
-    kept = cache_folder() / "templates"
-    kept.mkdir(mode=0o700, exist_ok=True)
     environment = Environment(
-        bytecode_cache=FileSystemBytecodeCache(str(kept)),
         loader=PackageLoader("harness.show.report", "templates"),
         autoescape=True,
         undefined=StrictUndefined,
