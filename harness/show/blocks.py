@@ -7,9 +7,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.core.quantity import outweighs
 from harness.results.common import P
-from harness.show.numbers import NONE, SHOWN, number, quantity
+from harness.show.numbers import NONE, number, quantity, systematic
 
 
 @dataclass(frozen=True, slots=True)
@@ -256,10 +255,7 @@ def measured(p: P | None, reasons: Reasons | None = None, grade: int | None = No
     if p is None:
         return Cell(NONE, grade=grade)
     value, stderr, _ = quantity(p)
-    notes = [f"± {stderr}"] if stderr else []
-    if p.systematic and outweighs(p.systematic, p.stderr):
-        factor = SHOWN[p.unit][1] if p.unit in SHOWN else 1.0
-        notes.append(f"± {number(p.systematic * factor, 2)} syst.")
+    notes = [*([f"± {stderr}"] if stderr else []), *filter(None, [systematic(p)])]
     if reasons is not None and p.why:
         notes.append(reasons.mark(p.why))
     return Cell(value, notes, grade)

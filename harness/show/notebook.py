@@ -51,8 +51,8 @@ def frame(result: Paged) -> Any:
     """Every number with its error and unit as a pandas.DataFrame, a row each; of a table its own rows.
 
     Rows of numbers go by "part" ("baseline", "refined", "mechanisms.quadratic-drag", "estimates.displacement") and
-    "quantity"; columns are value, stderr, unit, and why a value or an error is missing. Raises InputError without
-    pandas.
+    "quantity"; columns are value, stderr, systematic, unit, and why a value or an error is missing. Raises InputError
+    without pandas.
     """
     try:
         pandas = import_module("pandas")
@@ -63,8 +63,8 @@ def frame(result: Paged) -> Any:
     rows = list(_numbers(result, ()))
     places = [(".".join(way[:-1]), way[-1]) for way, _ in rows]
     index = pandas.MultiIndex.from_tuples(places, names=["part", "quantity"])
-    columns = {name: [getattr(p, name) for _, p in rows] for name in ("value", "stderr", "unit", "why")}
-    return pandas.DataFrame(columns, index=index).astype({"value": float, "stderr": float})
+    columns = {name: [getattr(p, name) for _, p in rows] for name in ("value", "stderr", "systematic", "unit", "why")}
+    return pandas.DataFrame(columns, index=index).astype({"value": float, "stderr": float, "systematic": float})
 
 
 def _lines(result: Paged) -> list[dict[str, Any]]:

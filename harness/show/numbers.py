@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from harness.core.quantity import outweighs
 from harness.core.trajectory import Source
 from harness.results.common import P
 
@@ -122,10 +123,17 @@ def quantity(p: P) -> tuple[str, str, str]:
     return value, stderr, unit
 
 
+def systematic(p: P) -> str:
+    """A systematic error that is larger than the standard one, in the unit shown: "\u00b1 0.19 syst."; else nothing."""
+    if p.systematic is None or not outweighs(p.systematic, p.stderr):
+        return ""
+    return f"\u00b1 {number(p.systematic * (SHOWN[p.unit][1] if p.unit in SHOWN else 1.0), 2)} syst."
+
+
 def sentence_quantity(p: P) -> str:
     """For running text: "30.00 \u00b1 0.02 mm"."""
     value, stderr, unit = quantity(p)
-    shown = f"{value} \u00b1 {stderr}" if stderr else value
+    shown = " ".join(filter(None, (f"{value} \u00b1 {stderr}" if stderr else value, systematic(p))))
     return f"{shown} {unit}".strip()
 
 

@@ -82,6 +82,12 @@ def test_numbers_with_errors_and_units_are_a_table(
     assert names == ["part", "quantity"]
     at = places.index(("estimates.acceleration", "x_k"))
     x_k = identify_result.estimates["acceleration"].x_k
-    assert [table.columns[name][at] for name in table.columns] == [x_k.value, x_k.stderr, x_k.unit, x_k.why]
+    assert [table.columns[name][at] for name in table.columns] == [
+        x_k.value,
+        x_k.stderr,
+        x_k.systematic,
+        x_k.unit,
+        x_k.why,
+    ]
     assert places[-1] == ("", "sensor_phase_rad")
-    assert table.kinds == {"value": float, "stderr": float}
+    assert table.kinds == dict.fromkeys(("value", "stderr", "systematic"), float)

@@ -187,9 +187,12 @@ class Curves:
                     traces.append(dots(said, self.recording["v"], y, {"color": color, "size": 6}, hover))
                 else:
                     traces.append(curve(said, self.t, y, color, unit, 1.2))
-            caption, band = left_by("simulation", self.result.recording.noise.get(c), unit, factor)
-            if c != "u" and "u" in self.result.recording.noise:
+            noise = self.result.recording.noise
+            caption, band = left_by("simulation", noise.get(c), unit, factor)
+            if c != "u" and noise.get("u") is not None:
                 caption += " The force was fitted, not this: the noise of the force adds up in each window."
+            elif c != "u" and "u" in noise:
+                caption += " Noise of the force, where it has any, adds up beside that and is no misfit."
             layout = self.layout(f"residual of {c}", unit, band)
             figures.append(Figure(f"residual-{c}", traces, layout, caption, GROUP, 260, self.times))
         return figures
