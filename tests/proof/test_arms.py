@@ -52,6 +52,15 @@ def test_positions_are_the_integral_of_speeds(arm: Arm) -> None:
     assert np.max(np.abs(v)) < 0.5 * np.max(np.abs(a))
 
 
+def test_time_passes_where_a_joint_comes_loose_and_is_held_again() -> None:
+    # a rest at the edge of what friction holds: each loosening ended at once, and in the end the arm stood still
+    resting = draw_arm(np.random.default_rng([77, 5, 0]))
+    q, v, a, _ = np.moveaxis(resting.ticks(BARE), 2, 0)
+    gone = 0.5 * (v[1:] + v[:-1]) * resting.tick
+    jerk = np.abs(np.diff(a, axis=0))
+    assert np.max(np.abs(np.diff(q, axis=0) - gone) / (jerk + 1.0)) < 0.5 * resting.tick**2
+
+
 def test_an_effect_is_of_its_joint_alone(arm: Arm) -> None:
     p = BARE.copy()
     p[plant.COG], p[plant.COG_L] = 0.5 * arm.b[arm.joint, 3], 0.3

@@ -262,6 +262,11 @@ def _advance(
         _let_go(s, t, u, side, rest, bodies, up, b, p, tables, room, mass, w, need)
         done, low, high = left, 0.0, left
         _step(s, t, done, u, side, rest, bodies, up, b, p, tables, room, mass, w, need)
+        back = _turned_back(w, side, p, 0.0) & (s[:, V] == 0.0)
+        if np.any(back):
+            # what comes loose and is held again before it has moved does not come loose
+            side[back] = 0.0
+            _step(s, t, done, u, side, rest, bodies, up, b, p, tables, room, mass, w, need)
         from_v, to_v = s[:, V].copy(), w[5, :, V].copy()
         for _ in range(_SECANTS):
             # where the first joint turns, by straight lines between speeds before and after
