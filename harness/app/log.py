@@ -14,6 +14,7 @@ from harness.io.logs.finish import Gain
 from harness.io.logs.raw import LogOptions
 from harness.io.logs.read import describe_log, source_of
 from harness.io.logs.read import read_joint_log as read
+from harness.io.logs.tables import NO_POSITION
 from harness.io.options import ReadOptions, unit_of_channel
 from harness.io.recording import read_recording
 from harness.model.model import Restoring
@@ -48,9 +49,10 @@ def log(path: Path, options: LogOptions | None = None, gain: Gain | None = None,
             units = {str(kind): unit for kind, unit in one.units.items()}
             topics.append(Topic.taken_from(one, type=one.kind, units_guessed=units))
     except InputError as error:
-        # a line to paste that was tried goes before what joints a table lacks
+        # a line to paste that was tried, and what a motion lacks, go before what joints a table lacks
         if not isinstance(recording, Recording):
-            raise (recording if recording.accepted.startswith(TRY) else error) from None
+            of_motion = recording.accepted.startswith(TRY) or error.found.startswith(NO_POSITION)
+            raise (recording if of_motion else error) from None
     if page is not None:
         if not isinstance(recording, Recording):
             raise recording

@@ -9,6 +9,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
+from harness.core.recording import MINIMUM_SAMPLES
 from harness.io.columns import (
     CHANNELS,
     Mapping,
@@ -16,17 +17,16 @@ from harness.io.columns import (
     is_angle,
     is_commanded,
     is_rate,
+    is_torque,
     meaning,
     parse_columns,
     unit_ending,
 )
 from harness.io.options import UNSAID, ReadOptions, RefusedError
-from harness.io.scoring import GYRO_COUNTS, runs_of
+from harness.io.scoring import GYRO_COUNTS, TURNING, Reading, runs_of
 from harness.io.table import Table
 from harness.io.units import RAW, STEPS, Unit, parse_unit
 
-_CURVE = 2
-"""Columns of a friction curve: a speed and the force that held it."""
 _MOST_CHOICES, _SHOWN, _LONG = 6, 8, 60
 """Readings that are tried, columns that are named at most, and characters of a name."""
 
@@ -110,7 +110,7 @@ def _by_names(table: Table, rate: float | None) -> Chosen | None:
     if "v" in bare and is_rate(table.names[bare["v"]]) and not unit_ending(table.names[bare["v"]], "v"):
         return None
     raw = any(STEPS.match(table.units[at[0]]) for at in found.values() if at[0] in table.units)
-    if not table.own or raw:
+    if not table.own or raw or ({"x", "v"} & set(bare) and "u" in found and is_torque(table.names[found["u"][0]])):
         return None
     steady = set(found) == {"v", "u"}
     if not set(found) & {"x", "v", "a"} or ("t" not in found and rate is None and not steady):
@@ -138,15 +138,24 @@ def _by_score(table: Table, options: ReadOptions) -> Chosen | None:
         found = f"{number} of {len(runs)} in {table.path}"
         raise InputError("--run", found, "a run that the file holds")
     readings = runs[number - 1] if runs else []
-    if not readings and options.rate is None:
-        held = [one for run in runs_of(table, False) for one in run if set(parse_columns(one.columns)) == {"v", "u"}]
-        readings = held if len(table.names) == _CURVE else []
+    readings = readings if options.rate is not None else _held(table, bool(readings)) or readings
     if not readings or not readings[0].clear:
         return None
     mappings = parse_columns(readings[0].columns)
     notes = [f"The file holds {len(runs)} runs: run {number} is read, --run N reads another."] if len(runs) > 1 else []
     notes += [f'Next best: --columns "{one.columns}".' for one in readings[1:2]]
     return Chosen(mappings, frozenset(mappings), tuple(notes), len(runs))
+
+
+def _held(table: Table, timed: bool) -> list[Reading]:
+    """Readings of a friction curve, a speed and the force that held it, where nothing can be a time, or there are fewer
+    rows than a motion has.
+    """
+    held = [one for run in runs_of(table, False) for one in run if set(parse_columns(one.columns)) == {"v", "u"}]
+    if held and timed:
+        speed = table.position(parse_columns(held[0].columns)["v"].names[0])
+        held = held if table.columns([speed])[0].size < MINIMUM_SAMPLES else []
+    return held
 
 
 def _several(table: Table, options: ReadOptions) -> Chosen:
@@ -160,10 +169,6 @@ def _several(table: Table, options: ReadOptions) -> Chosen:
     return Chosen({})
 
 
-_TURNING = {"x": "rad", "v": "rad/s"}
-"""Units of what turns, where nothing says one."""
-
-
 def unit_of(table: Table, mapping: Mapping, positions: list[int], constants: list[bool]) -> Unit:
     """The unit of a mapping: its own, else what the header of its one column says, in brackets or by its ending."""
     if mapping.unit is not None:
@@ -174,7 +179,7 @@ def unit_of(table: Table, mapping: Mapping, positions: list[int], constants: lis
     header = table.units.get(moving[0])
     means = meaning(table.names[moving[0]])
     if header is None and means is not None and means.channel == mapping.channel:
-        header = means.unit or (_TURNING.get(mapping.channel) if means.angle else None)
+        header = means.unit or (TURNING.get(mapping.channel) if means.angle else None)
     where = f"{table.path}: column {'*'.join(table.names[i] or f'#{i + 1}' for i in positions)}"
     return parse_unit(where, mapping.channel, header)
 
@@ -203,7 +208,7 @@ def unscaled(table: Table, mappings: dict[str, Mapping], read: dict[str, tuple[F
         position = table.position(mapping.names[0])
         values, told = read[channel]
         of_rate = channel == "v" and told.angular and float(np.nanmax(np.abs(values))) / told.factor > GYRO_COUNTS
-        counts = (of_rate or (told.factor == 1.0 and not told.angular)) and _whole_steps(values / told.factor)
+        counts = (of_rate or told.factor == 1.0) and _whole_steps(values / told.factor)
         if position < 0 or not (counts or RAW.match(table.units.get(position, "m")) or _is_converted(table, position)):
             continue
         said, shown = table.quoted(position), told.text or unit

@@ -17,7 +17,8 @@ _ANGULAR = ANGLES | RATES
 _NAMES: dict[str, str] = {
     "t": "t ts time times stamp timestamp sec secs seconds elapsed",
     "x": "x q qpos pos position displacement disp angle theta phi",
-    "v": "v dq qd qvel vel velocity speed omega theta_dot thetadot dtheta gx gy gz wx wy wz gyr gyro gyroscope rpm",
+    "v": "v dq qd qvel vel velocity speed omega theta_dot thetadot dtheta gx gy gz wx wy wz gyr gyro gyroscope rpm "
+    "kph kmh kmph mph dps rps",
     "a": "a ddq qdd qacc acc accel acceleration accelerometer alpha theta_ddot ax ay az gfx gfy gfz",
     "u": "u f tau force torque effort",
 }
@@ -29,7 +30,9 @@ COMMANDED = frozenset(
 """Words of a name by which it is not what was measured."""
 _CLOCKS = {"nanosec": "ns", "nsecs": "ns", "millis": "ms", "micros": "us", "msec": "ms", "usec": "us", "nsec": "ns"}
 """Names of a time that say its unit."""
-_OWN = {"rpm": "rpm"}
+_OWN = {"rpm": "rpm", "mph": "mile/hour", "dps": "deg/s", "rps": "rev/s"} | dict.fromkeys(
+    ("kph", "kmh", "kmph"), "km/h"
+)
 """Names that are a unit."""
 ENDINGS: dict[str, dict[str, str]] = {
     channel: dict(zip(words.split()[::2], words.split()[1::2], strict=True))
@@ -60,7 +63,8 @@ _WORDS: dict[str, str] = {
     "velocidade snelheid hastighet prędkość rychlost nopeus hız скорость 速度 속도",
     "a": "acceleration accelerometer accel beschleunigung accélération aceleración aceleracion accelerazione "
     "aceleração versnelling przyspieszenie zrychlení kiihtyvyys ivme ускорение 加速度 가속도",
-    "u": "force torque kraft drehmoment fuerza forza força kracht siła síla voima kuvvet tork сила момент couple 力 "
+    "u": "force torque friction reibung frottement attrito rozamiento трение 摩擦 "
+    "kraft drehmoment fuerza forza força kracht siła síla voima kuvvet tork сила момент couple 力 "
     "扭矩 转矩 トルク 힘 토크",
 }
 _WORD = {word: channel for channel, words in _WORDS.items() for word in words.split()}
@@ -157,6 +161,26 @@ def is_rate(name: str) -> bool:
     """Whether a name says how fast an angle changes."""
     means = meaning(name)
     return bool(_RATE.search(name.lower())) or (means is not None and means.channel == "v" and means.angle)
+
+
+_TORQUE = re.compile(r"torque|moment(?!um|an)|\bcouple\b|tork|扭矩|转矩|トルク|토크")
+
+
+def is_torque(name: str) -> bool:
+    """Whether a name says a torque."""
+    return bool(_TORQUE.search(name.lower()))
+
+
+_NO_MOTION = re.compile(
+    r"temperat|humid|pressure|power|energy|current|strom|courant|corriente|heart|price|latitude|longitude|volume"
+    r"|(?<![a-z])(?:temp|lat|lon|hr|bpm|cof|period|interval|duration|periode|période|periodo|dauer|dt)(?![a-z])"
+)
+"""Words of what neither moves nor is a clock, however its numbers rise or fall; a period is none either."""
+
+
+def is_no_motion(name: str) -> bool:
+    """Whether a name says another quantity, and no channel."""
+    return not word_of(name) and bool(_NO_MOTION.search(name.lower()))
 
 
 def is_angle(name: str) -> bool:

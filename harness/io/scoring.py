@@ -20,7 +20,9 @@ from harness.io.columns import (
     is_angle,
     is_commanded,
     is_magnitude,
+    is_no_motion,
     is_rate,
+    is_torque,
     marked,
     meaning,
     unit_ending,
@@ -36,6 +38,8 @@ _MOST_CELLS, _FEWEST = 50_000_000, 5
 """Numbers that are looked at, 400 MB, and columns however long they are."""
 _RISES = 0.99
 """Share of its steps by which a time goes on: a clock may be set back once."""
+_BARE = 2
+"""Columns of which nothing is known beside those that are read."""
 _HALF = 0.5
 """Share of values that a channel has at least, within its run."""
 _MARGIN = 2.0
@@ -43,10 +47,12 @@ _MARGIN = 2.0
 motion shows less than half of it up to 26 degrees between them."""
 _FOLLOWS, _GAIN = 0.9, 0.05
 """Correlation with another's slope from which a column is its speed, and by how much it may differ from it."""
+TURNING = {"x": "rad", "v": "rad/s"}
+"""Units of what turns, where nothing says one."""
 _SI = {"x": "m", "v": "m/s", "a": "m/s^2", "u": "N"}
-_FALLS, _LEFT = 0.95, 0.25
-"""Share of its steps by which a column falls, and of its largest value at its end, from which it is a speed that runs
-down: no swing does so."""
+_PARTS, _FALLS, _LEFT, _ROUGH = 20, 0.02, 0.25, 0.1
+"""Parts of a column whose means fall, but for so much of its largest value, to so much of it at the end, with so little
+scatter about them, where it is a speed that runs down: no swing does so."""
 _MG = 700, 1300
 """Whole numbers that all lie so far from 0 may be mg of an accelerometer that feels its weight: asked, never taken."""
 _TURN = 2.0 * np.pi
@@ -58,6 +64,8 @@ _SCALED, _NUMBERS, _NAME, _UNIT = range(-1, 3)
 """By what a column's channel is told, the strongest last; a voltage or a count needs its scale first."""
 _COUNTS = {"row", "index", "idx", "sample", "frame", "count", "id", "nr", "no", "cycle", "step", "line"}
 """Words of a column that counts rows."""
+_IN_VOLTS = re.compile(r"volt|spannung|(?<![a-z])(?:ecg|eeg|emg)(?![a-z])")
+"""Words of what is no motion before somebody says its scale."""
 _NO_SIGN = re.compile(r"absolute|magnitude|norm|\bsigma|\bstd|uncertainty", re.IGNORECASE)
 
 
@@ -132,7 +140,7 @@ def runs_of(table: Table, timed: bool = True) -> list[list[Reading]]:
     own = [mark for mark in dict.fromkeys(one.mark for one in times) if any(one.mark == mark for one in moving)]
     if len(own) < max(len(clocks), 2):
         t = max(times, key=lambda one: one.told) if times else None
-        alone = len(table.headers) == 1 + len(moving)
+        alone = len(table.headers) == 1 + len(moving) and all(one.channel == "count" for one in moving)
         return [list(_readings(moving, t)) or (list(_events(moving, t)) if alone else [])] if t else []
     return [list(_readings([one for one in moving if one.mark == mark], clocks[mark])) for mark in own]
 
@@ -170,6 +178,9 @@ def _leading(moving: Sequence[Column]) -> Iterator[tuple[Column, bool]]:
     Position goes before speed before acceleration before what says nothing; among those of one channel what is told
     better, then what moves more.
     """
+    # of columns without names, a speed belongs to the position, an acceleration and a force may
+    bare = [one.channel for one in moving if one.told == _NUMBERS]
+    least = _NUMBERS if bare.count("v") > 1 or bare.count("") > _BARE else _SCALED
     none = True
     for channel in ("x", "v", "a", ""):
         those = sorted((one for one in moving if one.channel == channel), key=lambda one: (-one.told, -one.spread))
@@ -180,10 +191,11 @@ def _leading(moving: Sequence[Column]) -> Iterator[tuple[Column, bool]]:
         alike = [
             one
             for one in others
-            if most and (most.spread <= _MARGIN * one.spread or one.unit != most.unit or not channel)
+            if most
+            and (most.spread <= _MARGIN * one.spread or one.unit != most.unit or not channel or one.told == _NUMBERS)
         ]
         for one in those:
-            yield one, none and not alike and one is most and one.told > _SCALED
+            yield one, none and not alike and one is most and one.told > least
         none = none and not those
 
 
@@ -201,7 +213,7 @@ def _beside(leading: Column, channel: str, moving: Sequence[Column], t: Column |
         those = [one for one in those if one.axis == leading.axis]
     if channel == "v" and t is not None:
         slopes = [one for one in those if _follows(t, leading, one)]
-        those = slopes or those
+        those = [one for one in slopes if one.told == max(other.told for other in slopes)] or those
         if (
             len(those) == 1
             and leading.unit
@@ -269,21 +281,36 @@ def _columns(table: Table) -> Iterator[Column]:
         mark, name = marked(table.names[i])
         channel, by, unit = _by_name(name, table.units.get(i))
         steps = np.diff(told)
-        if channel != "t" and _is_count(header, told, steps):
+        if channel != "t" and i not in table.dated and _is_count(header, told, steps):
             channel = "count"
         onward = float(np.mean(np.diff(unrolled(told)) >= 0.0 if channel == "t" else steps > 0.0))
         rises = onward >= _RISES
-        if channel in ("", "t") and rises and not unit:
+        if channel in ("", "t") and rises and not unit and i not in table.dated:
             unit = clock_unit(told)
         if channel == "x" and not unit and i not in table.units and is_angle(name):
             unit = "deg" if float(np.ptp(told)) > _TURN and bool(np.any(np.diff(np.sign(told)))) else "rad"
-        if not channel and float(np.mean(steps <= 0.0)) >= _FALLS and 0.0 <= told.min() < _LEFT * told.max():
-            channel = "v"
+        if not channel and _runs_down(told):  # under a name that says nothing it is asked
+            channel, by = "v", _SCALED if header else _NUMBERS
         if not header and np.all(told == np.round(told)) and _MG[0] < np.abs(told).min() <= np.abs(told).max() < _MG[1]:
             channel, by, unit = "a", _SCALED, "mg"
         if channel != "other":
             given = unit != table.units.get(i)
             yield Column(i, table.quoted(i), name, channel, by, unit, given, mark, rises, values)
+
+
+def _runs_down(told: FloatArray) -> bool:
+    """Whether values (n,) are those of a speed that falls, however noisy it is from sample to sample."""
+    parts = np.array_split(told, min(_PARTS, told.size))
+    level, most = np.array([float(part.mean()) for part in parts]), float(told.max())
+    rough = np.sqrt(np.mean((told - np.interp(np.arange(told.size), _middles(parts), level)) ** 2))
+    falls = bool(np.all(np.diff(level) <= _FALLS * most)) and level[0] - level[-1] > _HALF * most
+    return falls and told.min() > -_ROUGH * most and level[-1] < _LEFT * most and float(rough) < _ROUGH * most
+
+
+def _middles(parts: Sequence[FloatArray]) -> FloatArray:
+    sizes = np.array([part.size for part in parts])
+    found: FloatArray = np.cumsum(sizes) - 0.5 * (sizes + 1.0)
+    return found
 
 
 _SAME = 1e-3
@@ -319,7 +346,16 @@ def _with_gravity(columns: Sequence[Column]) -> list[Column]:
 
 
 def _with_turning(columns: Sequence[Column]) -> list[Column]:
-    """The columns; rates of turning without a unit are in deg/s where one of them is too fast for rad/s."""
+    """The columns; rates of turning without a unit are in deg/s where one of them is too fast for rad/s, and beside a
+    torque what says no unit turns.
+    """
+    if any(one.channel == "u" and (one.angular or is_torque(one.name)) for one in columns):
+        columns = [
+            replace(one, unit=TURNING[one.channel], given=True)
+            if one.channel in TURNING and one.told == _NAME and not one.unit and not is_rate(one.name)
+            else one
+            for one in columns
+        ]
     bare = [one for one in columns if one.channel == "v" and not one.unit and is_rate(one.name)]
     fastest = max((float(np.nanmax(np.abs(one.values))) for one in bare), default=0.0)
     unit, told = "deg/s" if fastest > _GYRO else "rad/s", _SCALED if fastest > GYRO_COUNTS else _NAME
@@ -329,7 +365,9 @@ def _with_turning(columns: Sequence[Column]) -> list[Column]:
 def _by_name(name: str, unit: str | None) -> tuple[str, int, str]:
     """The channel of a column, what tells it, and the unit; "other" for what is none, "" where nothing is said."""
     means = meaning(name)
-    named = means.channel if means is not None else word_of(name)
+    named = means.channel if means is not None else word_of(name) or ("v" if is_rate(name) else "")
+    if means is None and is_no_motion(name) and (unit is None or RAW.match(unit)):
+        return "other", _NAME, ""
     if unit is not None and not RAW.match(unit):
         fits = [c for c in CHANNELS if is_unit_of(c, unit)]
         return (named if named in fits else fits[0] if fits else "other"), _UNIT, unit
@@ -338,7 +376,8 @@ def _by_name(name: str, unit: str | None) -> tuple[str, int, str]:
     if means is not None:
         return named, _UNIT if means.unit else _NAME, means.unit or ""
     ending = unit_ending(name, named)
-    return (ending[0], _UNIT, ending[1]) if ending else (named, _NAME if named else _NUMBERS, "")
+    by = _NAME if named else _SCALED if _IN_VOLTS.search(name.lower()) else _NUMBERS
+    return (ending[0], _UNIT, ending[1]) if ending else (named, by, "")
 
 
 def _is_count(header: str, told: FloatArray, steps: FloatArray) -> bool:

@@ -13,7 +13,7 @@ from harness.io.units import Unit
 
 _DAY, _HOUR, _MINUTE = 86_400.0, 3600.0, 60.0
 _STAMP = re.compile(
-    r"(?:(?P<day>\d{4}-\d\d-\d\d|\d\d?[./]\d\d?[./]\d{4})[T ])?"
+    r"(?:(?P<day>\d{4}-\d\d-\d\d|\d\d?[./]\d\d?[./]\d{4}|\d\d?-[A-Z][a-z]{2}-\d{4})[T ])?"
     r"(?P<h>\d\d?):(?P<m>\d\d):(?P<s>\d\d(?:[.,:]\d{1,12})?)(?P<half> ?[AP]M)?(?P<zone>Z|[+-]\d\d:?\d\d)?"
 )
 
@@ -28,6 +28,8 @@ _MINUTES = re.compile(r"(?P<m>\d{1,3}):(?P<s>[0-5]\d[.,]\d{1,9})")
 
 def _day(text: str) -> int:
     """Number of a day; which of the two is the month does not matter within one. Raises ValueError for none."""
+    if text[-5] == "-":  # 05-Jan-2024
+        return datetime.strptime(text, "%d-%b-%Y").toordinal()
     if "-" in text:
         return date.fromisoformat(text).toordinal()
     one, other, year = map(int, re.split(r"[./]", text))
@@ -39,7 +41,7 @@ class Clock:
 
     def __init__(self) -> None:
         self.first = ""
-        self._day, self._seconds = 0, 0.0
+        self._day, self._seconds, self._last, self._nights = 0, 0.0, 0.0, 0
 
     def seconds(self, text: str) -> float | None:
         """From the first stamp that was asked for; None for what is no date with a time of day, nor a time of day.
@@ -60,6 +62,9 @@ class Clock:
             zone = found["zone"].replace(":", "")
             ahead = _HOUR * int(zone[1:3]) + _MINUTE * int(zone[3:5])
             seconds += -ahead if zone[0] == "+" else ahead
+        if not found["day"]:  # past midnight a time of day begins again
+            self._nights += seconds < self._last - 0.5 * _DAY
+            day, self._last = self._nights, seconds
         if not self.first:
             self.first, self._day, self._seconds = text.strip(), day, seconds
         return (day - self._day) * _DAY + (seconds - self._seconds)

@@ -65,6 +65,20 @@ CASES: dict[str, Callable[[], Recording]] = {
 }
 
 
+def test_what_is_driven_along_a_road_does_not_run_down_because_it_slows_at_the_end() -> None:
+    traffic = noisy("v", 5.0 + 2.0 * np.sin(1.4 * T) + 0.6 * T / T[-1])
+    assert classify(traffic.cut(traffic.t < 19.0)).kind == "driven"
+    pushed = np.interp(T, [0.0, 2.0, 3.0, 5.0, 20.0], [0.0, 12.0, 11.0, 20.0, 1.0])  # by hand, twice
+    assert classify(noisy("v", pushed)).kind == "run-down"
+
+
+def test_a_motor_that_is_switched_goes_from_speed_to_speed() -> None:
+    levels = np.array([0.0, 11.0, 4.0, 9.0])
+    at = np.minimum((T // 5.0).astype(int), 3)
+    switched = levels[at] + (levels[np.maximum(at - 1, 0)] - levels[at]) * np.exp(-(T % 5.0) / 0.1)
+    assert classify(noisy("v", switched)).kind == "steps"
+
+
 @pytest.mark.parametrize("kind", ["free-decay", "run-down", "driven"])
 def test_a_load_cell_that_nothing_loads_does_not_drive_what_moves_freely(kind: str) -> None:
     moved = CASES[kind]()

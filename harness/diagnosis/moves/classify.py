@@ -42,7 +42,8 @@ def classify(recording: Recording, restoring: Restoring | None = None) -> Moves:
         return Moves(MotionKind.RUN_DOWN, "its speed keeps one sign and falls", (ends,))
     if free and rises(recording):
         return Moves(MotionKind.SPIN_UP, "its speed keeps one sign and rises")
-    return _unsmooth(series) or (_placed(series, free) if name == "x" else None) or _swung(series)
+    stays = {"x": _placed, "v": _levels}.get(name)
+    return _unsmooth(series) or (None if stays is None else stays(series, free)) or _swung(series)
 
 
 _FREE = (MotionKind.FREE_DECAY, MotionKind.SEVERAL_DECAYS, MotionKind.RUN_DOWN)
@@ -106,6 +107,15 @@ def _placed(series: Series, free: bool) -> Moves | None:
     if count > 2:
         return Moves(MotionKind.STEPS, f"{share} at {count} places in turn, and straight from one to the next")
     return Moves(MotionKind.HELD, f"{share} at one place, to which it was brought") if places.share > _HELD else None
+
+
+def _levels(series: Series, free: bool) -> Moves | None:
+    """What goes from one speed to the next, as a motor that is switched."""
+    places = Places.of(series)
+    if not free or places.detour >= _DIRECT or places.share < _STAYS or len(places.levels) < 2:
+        return None
+    at = f"{100.0 * places.share:.0f} % of the time at {len(places.levels)} speeds"
+    return Moves(MotionKind.STEPS, f"{at}, and straight from one to the next")
 
 
 def _swung(series: Series) -> Moves:

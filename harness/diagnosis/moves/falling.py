@@ -47,6 +47,13 @@ class _Falling:
         course = Course.of(recording.t[part], channels, windows)
         return cls(course.t, course.v * np.sign(course.v[np.argmax(np.abs(course.v))]), course.v_sd)
 
+    def lost_before(self, begin: float) -> float:
+        """What it lost since the last rest before a time: what is driven slows again and again."""
+        before = self.speed[self.t < begin]
+        rests = np.flatnonzero(before <= _STOPPED * float(np.max(self.speed)))
+        steps = np.diff(before[rests[-1] :] if rests.size else before)
+        return float(np.sum(np.maximum(-steps - float(np.median(self.sd)), 0.0)))
+
     @property
     def let_go(self) -> bool:
         """Whether it goes one way alone, and slows for longer than it was brought to speed: a hand does both alike."""
@@ -81,7 +88,8 @@ def falls(recording: Recording) -> tuple[int, int] | None:
     fell = lost > max(_CLEAR * noise, _LOST * first)
     one_way = bool(np.all(seen.speed > -_CLEAR * np.maximum(seen.sd, noise) - _STOPPED * first))
     back = float(np.sum(np.maximum(change - _CLEAR * noise, 0.0)))
-    return (begin, end) if fell and one_way and back <= _BACK * lost and whole.let_go else None
+    once = whole.lost_before(float(recording.t[begin])) <= lost
+    return (begin, end) if fell and one_way and back <= _BACK * lost and whole.let_go and once else None
 
 
 def _ends(seen: _Falling, t: FloatArray) -> tuple[int, int]:

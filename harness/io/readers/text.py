@@ -36,7 +36,7 @@ _LOOKED, _ROWS, _HEADS = 60, 3, 2
 """Lines at the beginning in which a table's first is looked for, rows that make one, and lines of names and units."""
 _MOST_ODD = 0.05
 """Lines of another width that are left out, for each row before them."""
-_MOST_BELOW = 5
+_MOST_BELOW = 20
 """Lines that may stand below the rows."""
 _COMMENT = ("#", "%")
 _LATIN, _LONGEST_NAME = re.compile(r"[\x00-\xff]*"), 100
@@ -369,6 +369,8 @@ class TextTable(Table):
         import pyarrow as pa
         from pyarrow import csv as pacsv
 
+        if self._has_summary():  # in which a column may hold numbers
+            return self._read_slowly(positions)
         layout, data = self._layout, memoryview(self._data)[self._layout.offset :]
         if not layout.separator:
             data = memoryview(_single_blanks(self._data[layout.offset :]))
@@ -424,6 +426,13 @@ class TextTable(Table):
                     begun, rows = True, rows + 1
                     yield line, cells
             start, line = end + 1, line + 1
+
+    def _has_summary(self) -> bool:
+        """Whether lines near the end begin with words, and the first row with a number."""
+        last = self._data[max(len(self._data) - _HEAD, self._layout.offset) :].rstrip().split(b"\n")
+        cells = [_cells("", _decode(line), self._layout.separator)[:1] for line in last[-_MOST_BELOW:] if line]
+        numbers = [_number(one[0], self._layout.decimal) is not None for one in cells if one]
+        return not all(numbers) and any(numbers[:1])
 
     def _is_summary(self, cell: str, end: int) -> bool:
         """Whether a line near the end of the file, at byte ``end``, begins with a word: a mean, a sum."""

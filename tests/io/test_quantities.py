@@ -1,0 +1,131 @@
+"""Which quantity a column holds: by its unit, its name and its numbers; what is none is never read as a motion."""
+
+import shlex
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.core.arrays import FloatArray
+from harness.core.errors import InputError
+from harness.core.recording import Recording
+from harness.io.options import ReadOptions
+from harness.io.recording import read_recording
+
+T = 0.5 * np.arange(300.0)
+NOISE = np.random.default_rng(4).standard_normal(300)
+COAST = 27.0 * np.exp(-T / 75.0) - 3.5 + 0.1 * NOISE
+"""A coast-down, 2 Hz: from sample to sample it rises as often as it falls."""
+X = np.exp(-T / 50.0) * np.cos(T)
+
+
+def written(path: Path, header: str, *columns: FloatArray | Sequence[str]) -> Path:
+    rows = (",".join(v if isinstance(v, str) else f"{v:.9g}" for v in row) for row in zip(*columns, strict=True))
+    path.write_text("\n".join([*([header] if header else []), *rows]) + "\n")
+    return path
+
+
+def asked(path: Path) -> Recording:
+    """What the printed line reads. Raises AssertionError where a file is read without a question."""
+    with pytest.raises(InputError) as caught:
+        read_recording(path)
+    words = shlex.split(str(caught.value).partition("Try: ")[2].partition(", which reads")[0])
+    return read_recording(path, ReadOptions(columns=words[words.index("--columns") + 1]))
+
+
+def test_a_noisy_coast_down_without_names_is_a_speed(tmp_path: Path) -> None:
+    found = read_recording(written(tmp_path / "a.csv", "", T, COAST))
+    assert set(found.channels) == {"v"}
+    np.testing.assert_allclose(found["v"], COAST, rtol=1e-8)
+
+
+@pytest.mark.parametrize("header", ["t,sensor", "", "t,c1,c2,c3,c4"])
+def test_what_falls_under_a_name_that_says_nothing_and_one_of_several_is_asked(tmp_path: Path, header: str) -> None:
+    others = {"t,sensor": (), "": (0.2 * COAST,), "t,c1,c2,c3,c4": (0.2 * COAST, NOISE, X)}[header]
+    assert "v" in asked(written(tmp_path / "a.csv", header, T, COAST, *others)).channels
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "time,temperature",
+        "time,T [°C]",
+        "time,humidity,pressure",
+        "time,current_motor",
+        "time,heart_rate",
+        "time,active power",
+        "turn,period_us",
+        "t [s],U [V]",
+        "n,Time [s],Fz [N]",
+    ],
+)
+def test_what_is_no_motion_is_refused_without_a_line_that_reads_it_as_one(tmp_path: Path, header: str) -> None:
+    beside = [COAST, 2.0 + COAST][: header.count(",")]
+    time = {"n": (np.arange(300.0), T), "turn": (np.arange(300.0),)}.get(header.partition(",")[0], (T,))
+    with pytest.raises(InputError) as caught:
+        read_recording(written(tmp_path / "a.csv", header, *time, *beside[: header.count(",") + 1 - len(time)]))
+    assert "rev]" not in str(caught.value)
+    assert "Try:" not in str(caught.value) or "[m]" in str(caught.value)  # a voltage, with its scale to be given
+
+
+@pytest.mark.parametrize("header", ["t,supply voltage", "t,ecg", "t,gyroADC[0]"])
+def test_what_needs_its_scale_is_asked(tmp_path: Path, header: str) -> None:
+    asked(written(tmp_path / "a.csv", header, T, 5000.0 * X))
+
+
+@pytest.mark.parametrize(
+    ("header", "size"),
+    [("secs,km,kph", 1 / 3.6), ("secs,hr,kmh", 1 / 3.6), ("t,temp,mph", 0.44704), ("t,n,rps", 2.0 * np.pi)],
+)
+def test_a_name_that_is_a_unit_of_speed_says_it(tmp_path: Path, header: str, size: float) -> None:
+    beside = np.cumsum(COAST) / 3600.0 if "km," in header else NOISE
+    found = read_recording(written(tmp_path / "a.csv", header, T, beside, COAST))
+    np.testing.assert_allclose(found["v"], size * COAST, rtol=1e-7)
+
+
+@pytest.mark.parametrize("header", ["time,velocity,torque", "time,LeftVelocity,LeftTorque", "t,speed,Drehmoment"])
+def test_beside_a_torque_what_says_no_unit_turns(tmp_path: Path, header: str) -> None:
+    found = read_recording(written(tmp_path / "a.csv", header, T, np.sin(T), np.cos(T)))
+    assert found.angular
+    np.testing.assert_allclose(found["v"], np.sin(T), rtol=1e-7)
+
+
+def test_of_two_slopes_the_one_that_is_called_a_speed_is_it(tmp_path: Path) -> None:
+    v = np.gradient(X, T)
+    found = read_recording(written(tmp_path / "a.csv", "time,x-position,velocity,momentum", T, X, v, 1.0001 * v))
+    np.testing.assert_allclose(found["v"], v, rtol=1e-7)
+
+
+def test_a_clock_goes_on_past_midnight(tmp_path: Path) -> None:
+    clock = [
+        f"{(86100 + 2 * k) // 3600 % 24:02d}:{(86100 + 2 * k) // 60 % 60:02d}:{2 * k % 60:02d}" for k in range(300)
+    ]
+    found = read_recording(written(tmp_path / "a.csv", "clock,angle [deg]", clock, X))
+    np.testing.assert_array_equal(found.t, 4.0 * T)
+    dates = [f"05-Jan-2024 10:{k // 60:02d}:{k % 60:02d}.500" for k in range(300)]
+    found = read_recording(written(tmp_path / "b.csv", "When,angle [deg]", dates, X))
+    np.testing.assert_array_equal(found.t, 2.0 * T)
+
+
+def test_statistics_below_the_rows_are_left_out_of_every_column(tmp_path: Path) -> None:
+    path = written(tmp_path / "a.csv", "Time (s),Position (mm)", T, X)
+    words = ("Statistics", "Mean", "Std", "Min", "Max", "Median", "Range", "Count")
+    below = ["", *(f"{word},{k}" for k, word in enumerate(words))]
+    path.write_text(path.read_text() + "\n".join(below) + "\n")
+    np.testing.assert_allclose(read_recording(path)["x"], 1e-3 * X, rtol=1e-7)
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "Speed (rpm),Friction Torque (N.m),Temperature (°C)",
+        "speed_rpm,torque_nm,voltage_v",
+        "velocity,friction,load",
+    ],
+)
+def test_a_curve_of_friction_may_have_other_columns(tmp_path: Path, header: str) -> None:
+    speed = np.linspace(-100.0, 100.0, 30)
+    found = read_recording(written(tmp_path / "a.csv", header, speed, np.sign(speed), 0.1 * speed + 25.0))
+    assert found.steady
+    np.testing.assert_allclose(found["u"], np.sign(speed))
