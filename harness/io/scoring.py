@@ -55,7 +55,7 @@ _PARTS, _FALLS, _LEFT, _ROUGH = 20, 0.02, 0.25, 0.1
 scatter about them, where it is a speed that runs down: no swing does so."""
 _MG = 700, 1300
 """Whole numbers that all lie so far from 0 may be mg of an accelerometer that feels its weight: asked, never taken."""
-_TURN = 2.0 * np.pi
+_TURN, _CIRCLE, _SIDE = 2.0 * np.pi, 360.0, 0.05
 _GYRO = 35.0
 """rad/s, 2000 deg/s: more than gyroscopes show; larger numbers of one are deg/s."""
 GYRO_COUNTS = 4000.0
@@ -288,7 +288,7 @@ def _columns(table: Table) -> Iterator[Column]:
         if channel in ("", "t") and rises and not unit and i not in table.dated:
             unit = clock_unit(told)
         if channel == "x" and not unit and i not in table.units and is_angle(name):
-            unit = "deg" if float(np.ptp(told)) > _TURN and bool(np.any(np.diff(np.sign(told)))) else "rad"
+            unit = "deg" if _in_degrees(told) else "rad"
         if not channel and _runs_down(told):  # under a name that says nothing it is asked
             channel, by = "v", _SCALED if header else _NUMBERS
         if not header and np.all(told == np.round(told)) and _MG[0] < np.abs(told).min() <= np.abs(told).max() < _MG[1]:
@@ -296,6 +296,13 @@ def _columns(table: Table) -> Iterator[Column]:
         if channel != "other":
             given = unit != table.units.get(i)
             yield Column(i, table.quoted(i), name, channel, by, unit, given, mark, rises, values)
+
+
+def _in_degrees(told: FloatArray) -> bool:
+    """Whether angles (n,) of an unknown unit, which turn to either side or begin again at 360, are degrees."""
+    wraps = told.max() <= _CIRCLE and float(np.abs(np.diff(told)).max()) > 0.5 * _CIRCLE
+    sides = min(-float(told.min()), float(told.max()))  # a wheel's turns are counted from about nought
+    return float(np.ptp(told)) > _TURN and (bool(wraps) or sides > _SIDE * float(np.ptp(told)))
 
 
 def _runs_down(told: FloatArray) -> bool:

@@ -69,6 +69,7 @@ _WORDS = {
     "rad": "radian radians radiant рад 弧度 ラジアン 라디안",
     "rpm": "1/min u/min /min min-1 min^-1 min⁻¹ tr/min t/min r/min tours/min giri/min obr/min об/мин",
     "deg": "degree degrees degs degré degrés grados gradi graus graden grader stopnie derece град 度 도",
+    "turn": "rotation rotations umdrehung umdrehungen",
     "N": "newton newtons н 牛 牛顿 ニュートン 뉴턴",
     "N*m": "нм н·м н*м 牛米 牛·米",
     "s^2": "с² с^2 с2",

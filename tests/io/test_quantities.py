@@ -97,6 +97,16 @@ def test_of_two_slopes_the_one_that_is_called_a_speed_is_it(tmp_path: Path) -> N
     np.testing.assert_allclose(found["v"], v, rtol=1e-7)
 
 
+@pytest.mark.parametrize("low", [0.0, -6.0])
+def test_an_angle_that_begins_again_at_360_is_in_degrees(tmp_path: Path, low: float) -> None:
+    turned = 35.0 * T - 0.05 * T**2
+    found = read_recording(written(tmp_path / "a.csv", "Time,Angle", T, turned % 360.0 + low))
+    np.testing.assert_allclose(np.diff(found["x"]), np.deg2rad(np.diff(turned)), rtol=1e-6)
+    turned += 0.1 * low  # of a wheel
+    whole = read_recording(written(tmp_path / "b.csv", "Time,Angle", T, turned))
+    np.testing.assert_allclose(whole["x"], turned, rtol=1e-7)
+
+
 def test_a_clock_goes_on_past_midnight(tmp_path: Path) -> None:
     clock = [
         f"{(86100 + 2 * k) // 3600 % 24:02d}:{(86100 + 2 * k) // 60 % 60:02d}:{2 * k % 60:02d}" for k in range(300)

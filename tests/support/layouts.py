@@ -509,6 +509,47 @@ def runs_below(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path,
     return lines(folder / "runs.csv", "trial,time [s],pos [m]", *rows(",", run, t, x)), {"t": m.t, "x": m.x}
 
 
+def _hhmmss(t: np.ndarray) -> list[str]:
+    """Times of day from 9:59:57 on, as Racelogic writes them."""
+    ms = [35_997_000 + round(1e3 * float(one)) for one in t]
+    return [f"{k // 3_600_000:02d}{k // 60_000 % 60:02d}{k // 1000 % 60:02d}.{k % 1000:03d}" for k in ms]
+
+
+def vbox(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    v = 20.0 + m.v
+    named = ["satellites", "time", "latitude", "longitude", "velocity kmh", "heading", "vertical velocity kmh"]
+    head = ["File created on 05/01/2024 at 09:59:57", "", "[header]", *named, "", "[comments]", *["Log rate"] * 60, ""]
+    head += ["[column names]", "sats time lat long velocity heading vert-vel", "", "[data]"]
+    upward = 0.3 * rng.standard_normal(v.size)
+    body = [
+        f"009 {clock} +3119.09973 -00058.49277 {3.6 * one:08.4f} 243.11 {up:+.3f}"
+        for clock, one, up in zip(_hhmmss(m.t), v, upward, strict=True)
+    ]
+    return lines(folder / "coast.vbo", *head, *body, end="\r\n"), {"t": m.t, "v": v}
+
+
+def vbox_table(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    body = [f"{clock};{3.6 * one:.5f}".replace(".", ",") for clock, one in zip(_hhmmss(m.t), 20.0 + m.v, strict=True)]
+    return lines(folder / "vbox.csv", "Time [HHMMSS.SSS];Speed [km/h]", *body), {"t": m.t, "v": 20.0 + m.v}
+
+
+def moteus(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    turn, nought = 2.0 * np.pi, np.zeros(m.t.size)
+    body = rows(",", m.t, nought, m.x / turn, m.v / turn, nought, nought, digits="%.8f")
+    head = "time,mode,position,velocity,torque,q_current"
+    return lines(folder / "moteus.csv", head, *body), {"t": m.t, "x": m.x, "v": m.v}
+
+
+def sysid(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    turn = 2.0 * np.pi
+    tests = {}
+    for k, name in enumerate(("fast-backward", "fast-forward", "slow-backward", "slow-forward")):
+        table = np.stack((m.t, 0.0 * m.t + k, (1 + k) * m.x / turn, (1 + k) * m.v / turn), axis=1)
+        tests[name] = table[: m.t.size - k].tolist()
+    about = {"sysid": True, "test": "Simple", "units": "Rotations", "unitsPerRotation": 1.0}
+    return lines(folder / "sysid_data.json", json.dumps({**tests, **about})), {"t": m.t, "x": m.x, "v": m.v}
+
+
 Writer = Callable[[Path, Motion, np.random.Generator], tuple[Path, Wanted]]
 
 
@@ -771,6 +812,7 @@ WRITERS: dict[str, Writer] = {
     for one in (
         phyphox_gyroscope, phyphox_german, vernier_runs, graphical_analysis, logger_pro_latest, logger_pro_text,
         capstone, arduino_banner, arduino_monitor, arduino_plotter, labview, labview_by_step, cassy, tracker,
+        moteus, sysid, vbox, vbox_table,
         odrive, picoscope, mujoco, microcontroller, rig, languages, water_pendulum, phyphox_zip,
         phyphox_excel, excel_by_hand, labx, wpilog, tdms, matlab_rows, matlab_trials, simulink, hdf5, json_lines,
         json_entries, runs_below, sensor_logger, catman, polytec, feels_its_weight, times_of_day,

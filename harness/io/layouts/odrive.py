@@ -1,4 +1,4 @@
-"""ODrive's logs: positions in turns, speeds in turns a second, currents in A, of several axes beside each other."""
+"""Logs of ODrive, of several axes beside each other, and of moteus: turns, turns a second, currents in A."""
 
 import re
 from collections.abc import Sequence
@@ -12,7 +12,8 @@ _UNITS = (("pos", "turn"), ("vel", "turn/s"), ("current", "A"), ("iq", "A"), ("t
 
 def _find(lines: Sequence[str], name: str) -> Head | None:
     fields = [cell.strip().strip('"') for cell in lines[0].split(",")] if lines else []
-    if len(fields) < 2 or not all(_OURS.search(field) for field in fields[1:]):
+    moteus = {"position", "velocity", "q_current"} <= set(fields)
+    if len(fields) < 2 or not (moteus or all(_OURS.search(field) for field in fields[1:])):
         return None
     last = [field.lower().rpartition(".")[2] for field in fields[1:]]
     units = [next((unit for word, unit in _UNITS if word in field), "") for field in last]

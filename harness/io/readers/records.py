@@ -27,7 +27,7 @@ def open_json(path: Path) -> ArrayTable:
         content = [json.loads(line) for line in text.splitlines() if line.strip()] if lines else json.loads(text)
     except (ValueError, RecursionError) as error:
         raise InputError(str(path), f"not JSON ({error})", _ACCEPTED) from None
-    best = max(_tables(content), key=lambda one: max(map(len, one.values())), default={})
+    best = _runs(content) or max(_tables(content), key=lambda one: max(map(len, one.values())), default={})
     if not best:
         raise InputError(str(path), "no table in it", _ACCEPTED)
     clocks = {name: Clock() for name in best}
@@ -36,6 +36,29 @@ def open_json(path: Path) -> ArrayTable:
     firsts = [clock.first for clock in clocks.values()]
     table.dated |= {i: first for i, first in enumerate(firsts) if first}
     return table
+
+
+_SYSID = {"fast-forward", "fast-backward", "slow-forward", "slow-backward"}
+"""Tests of WPILib's SysId, each of rows of time, voltage, position and speed."""
+_OF_SYSID = ("time [s]", "voltage [V]", "position", "velocity")
+
+
+def _runs(content: Any) -> Mapping[str, Sequence[Any]]:
+    """The columns of several tables of one kind beside each other, ``NAME: column``; {} where there are none."""
+    if not isinstance(content, dict):
+        return {}
+    found = {str(name): one for name, one in content.items() if isinstance(one, list) and len(one) > 1}
+    tables = {name: next(_tables(rows), {}) for name, rows in found.items()}
+    if len(tables) < 2 or len({tuple(one) for one in tables.values()}) > 1 or not all(map(len, tables.values())):
+        return {}
+    of_sysid = set(tables) >= _SYSID and len(next(iter(tables.values()))) == len(_OF_SYSID)
+    unit = str(content.get("units", "")).lower() if of_sysid else ""
+    last = ("", "", f" [{unit}]", f" [{unit}/s]") if unit else [""] * len(_OF_SYSID)
+    return {
+        f"{name}: {_OF_SYSID[i] + last[i] if of_sysid else column}": values
+        for name, one in tables.items()
+        for i, (column, values) in enumerate(one.items())
+    }
 
 
 def _tables(content: Any) -> Iterator[Mapping[str, Sequence[Any]]]:

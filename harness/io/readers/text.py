@@ -34,6 +34,8 @@ _CODINGS = ("cp932", "gb18030", "cp949", "cp1251", "cp1250")
 """In which texts that are not UTF-8 are tried, for a word of theirs that says a channel, before they are Latin."""
 _LOOKED, _ROWS, _HEADS = 60, 3, 2
 """Lines at the beginning in which a table's first is looked for, rows that make one, and lines of names and units."""
+_DEEP = 200
+"""Lines in which a program's own header is looked for."""
 _MOST_ODD = 0.05
 """Lines of another width that are left out, for each row before them."""
 _MOST_BELOW = 20
@@ -112,7 +114,7 @@ def _known(data: bytes | bytearray, name: str) -> Head | None:
     """The table of a text that one of the layouts knows; None where none does."""
     from harness.io.registry import all_layouts
 
-    lines = [_decode(line).rstrip("\r") for line in bytes(data[:_HEAD]).split(b"\n")[:_LOOKED]]
+    lines = [_decode(line).rstrip("\r") for line in bytes(data[:_HEAD]).split(b"\n")[:_DEEP]]
     return next((head for layout in all_layouts() if (head := layout.find(lines, name)) is not None), None)
 
 
@@ -480,7 +482,7 @@ class TextTable(Table):
 
 TEXT = Reader(
     name="text tables, also gzipped",
-    suffixes=(".csv", ".txt", ".dat", ".tsv", ".asc", ".tab", ".lvm", ".log", ".prn", ".mot", ".sto"),
+    suffixes=(".csv", ".txt", ".dat", ".tsv", ".asc", ".tab", ".lvm", ".log", ".prn", ".mot", ".sto", ".vbo"),
     open=TextTable,
     text=True,
 )
