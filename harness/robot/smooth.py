@@ -19,7 +19,9 @@ _ORDER = 4
 _TRIM = 2.5
 """Samples left out at either end, in 1/f_lowpass: the slowest pole of the filter has then died to 0.3 %."""
 _MEDIAN_OF_NORMAL = 0.6745
-"""Median size of a normal number of deviation one; second differences of white noise have six times its variance."""
+"""Median size of a normal number of deviation one."""
+_ORDERS = range(2, 7)
+"""Of differences, whose variance is that of white noise times the ways to choose n of 2 n."""
 _STILL = 3.0
 """Times its noise within which a joint's position scatters where it stands still."""
 _NOWHERE = 1e-6
@@ -27,11 +29,16 @@ _NOWHERE = 1e-6
 
 
 def white_sd(y: FloatArray) -> float:
-    """Standard deviation of a recorded series' white noise, from the middle of its second differences.
+    """Standard deviation of a recorded series' white noise, from the middle of its differences.
 
-    Motion bends little from sample to sample, and the few differences across a jump do not move the middle.
+    Of the second to the sixth, those with the least: noise is the same in each, and motion less in every further one
+    where samples are not too rare to show it. The few differences across a jump do not move the middle.
     """
-    return float(np.median(np.abs(np.diff(y, 2)))) / (_MEDIAN_OF_NORMAL * math.sqrt(6.0))
+    found = math.inf
+    for order in _ORDERS:
+        middle = float(np.median(np.abs(np.diff(y, order))))
+        found = min(found, middle / (_MEDIAN_OF_NORMAL * math.sqrt(math.comb(2 * order, order))))
+    return found
 
 
 def noise_of(y: FloatArray) -> float:

@@ -158,6 +158,20 @@ def _written(folder: Path, t: np.ndarray, q: np.ndarray, torque: np.ndarray) -> 
     return folder / "log.csv"
 
 
+@pytest.mark.parametrize(("rate", "counts"), [(300.0, 2**12), (125.0, 2**14)])
+def test_what_an_encoder_leaves_of_a_torque_is_noise_as_well(rate: float, counts: int, tmp_path: Path) -> None:
+    """Torque as good as exact, positions in steps: what is left is what inertias make of those."""
+    t, q, _, torque = moved(int(12.0 * rate), rate, F_K, C)
+    torque += 2e-4 * np.std(torque, axis=0) * np.random.default_rng(5).standard_normal(torque.shape)
+    step = 2.0 * np.pi / counts
+    log = _written(tmp_path, t, np.round(q / step) * step, torque)
+    found = harness.diagnose_joint(log, tmp_path / "arm.xml", "all", engines=())
+    assert (found.verdict, found.mechanisms) == ("adequate", [])
+    assert found.robot is not None
+    assert found.robot.arm is not None
+    assert all(0.5 < (one.over_noise or 0.0) < 1.3 for one in found.robot.arm.joints)
+
+
 Change = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 CHANGES: dict[str, tuple[Change, str]] = {
     "signs": (lambda q, u: (q, -u), "--gain -1"),

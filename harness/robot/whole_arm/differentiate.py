@@ -26,6 +26,8 @@ _MOTION = 25.0
 """Hz: what is faster is no motion of an arm."""
 _OFF, _STEPPED = 0.1, 0.9
 """Of a step: nearer to a whole multiple, more than this share of changes are an encoder's."""
+_BENDS = 0.159
+"""Integral of x^4 times the filter's gain squared, x in f_lowpass: B(5/8, 11/8) / 8."""
 _NOISES = 3.0
 """Standard deviations of a position that scatters about one place."""
 _OWN = 0.5
@@ -43,8 +45,9 @@ class Filtered:
     was not logged. good (m,) : away from gaps. band : of the recording. fine : band of t_fine, q_fine, v_fine
     (M, nv), from which columns are formed. out : band of the m samples before the ends were cut. velocity_noise (k,) :
     standard deviation of v. position_step (k,) : rad, the encoder's. torque_noise (k,) : what white noise of the
-    recorded torque leaves after the filter, N m. rests : by joint, (r, 2), s, from when to when it stayed within its
-    encoder's steps and noise for longer (rule sticks) than its acceleration takes to turn it. seconds : of the log.
+    recorded torque leaves after the filter, N m. acceleration_noise (nv,) : standard deviation of a. rests : by joint,
+    (r, 2), s, from when to when it stayed within its encoder's steps and noise for longer (rule sticks) than its
+    acceleration takes to turn it. seconds : of the log.
     notes : what was done, one sentence each.
     """
 
@@ -66,6 +69,7 @@ class Filtered:
     velocity_noise: tuple[float, ...]
     position_step: tuple[float, ...]
     torque_noise: tuple[float, ...]
+    acceleration_noise: FloatArray
     rests: tuple[FloatArray, ...]
     seconds: float
     notes: tuple[str, ...]
@@ -156,10 +160,15 @@ def differentiate(
     good, reach = np.ones(t.size, dtype=np.bool_), 1.5 / cut
     for gap in np.flatnonzero(step > _GAP * np.median(step)):
         good &= (t < log.t[gap] - reach) | (t > log.t[gap + 1] + reach)
-    quanta, speeds, still = [], [], []
-    for i, name in zip(dof, names, strict=True):
+    quanta, speeds, still, bends = [], [], [], np.zeros(len(arm.joints))
+    for i, name in enumerate(arm.joints):
+        if name not in log.position:
+            continue
         quantum, noise = _quantum(log.position[name]), white_sd(q[:, i])
-        level = max(2.0 * noise**2 / rate, quantum**2 / 12.0 * 2.0 / rate)
+        level = 2.0 * max(noise**2, quantum**2 / 12.0) / rate
+        bends[i] = math.sqrt(level * (2 * math.pi) ** 4 * cut**5 * _BENDS)
+        if i not in dof:
+            continue
         quanta.append(quantum)
         speeds.append(math.sqrt(level * (2 * math.pi) ** 2 * cut**3 / 3.0))
         within, width = 2.0 * max(quantum, _NOISES * noise), max(int(STICKS.value / cut * rate), 1)
@@ -175,7 +184,7 @@ def differentiate(
     noises = tuple(math.sqrt(2.0 * white_sd(y) ** 2 / rate * cut) for y in torque.T)
     return Filtered(
         names, dof, t[kept], position, speed, acceleration, moved, warmth, good[kept], band, fine, out,
-        even[0] + np.arange(fine.size) / fine.rate, q_fine, v_fine, tuple(speeds), tuple(quanta), noises,
+        even[0] + np.arange(fine.size) / fine.rate, q_fine, v_fine, tuple(speeds), tuple(quanta), noises, bends,
         tuple(still), seconds, tuple(notes),
     )  # fmt: skip
 

@@ -29,7 +29,7 @@ EXPLAINED = Rule(
     "explained",
     1.5,
     "rms",
-    "what a model leaves is no more than so many times the noise of the recorded torque, so that it explains the joint",
+    "a model leaves no more than so many times the noise of torque and positions, and explains the joint",
     "a judgement: noise that remembers is up to so much larger than white noise of the same recording above the filter",
 )
 MOST = Rule(

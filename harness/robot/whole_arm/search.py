@@ -36,6 +36,8 @@ _WIDEST = 8
 """Steps of growth, by then fifteen times the least width."""
 _SEEN = 1e-8
 """Share of the largest eigenvalue below which columns are taken for alike."""
+_POSES = 50
+"""Of an arm, of which its inertias are a mean."""
 _SETTINGS = 3
 """Of each candidate that the noise is learnt beside."""
 
@@ -52,7 +54,8 @@ class Known:
 @dataclass(frozen=True, slots=True)
 class Problem:
     """filtered : the log, of the joints that move enough. parts : one a joint. guard (k,) : s. rigid, gravity (m, k) :
-    torque of the model and of gravity alone, N m. candidates : everything that may be missing.
+    torque of the model and of gravity alone, N m. noise (k,) : N m, of the torque beyond the model's. candidates :
+    everything that may be missing.
     """
 
     filtered: Filtered
@@ -60,6 +63,7 @@ class Problem:
     guard: tuple[float, ...]
     rigid: FloatArray
     gravity: FloatArray
+    noise: FloatArray
     candidates: tuple[Candidate, ...]
 
 
@@ -86,7 +90,19 @@ def prepare(filtered: Filtered, arm: Arm, known: Known) -> Problem:
         parts[j] = Part(torque, base, spread, Stretches.of(kept), noise, floor)
     candidates += model_candidates(filtered, arm, known.payload, known.sensor, known.gain)
     learnt = {j: _beside_everything(part, j, candidates) for j, part in parts.items()}
-    return Problem(filtered, learnt, tuple(guards), rigid, weight, tuple(candidates))
+    return Problem(filtered, learnt, tuple(guards), rigid, weight, _noise(filtered, arm), tuple(candidates))
+
+
+def _noise(filtered: Filtered, arm: Arm) -> FloatArray:
+    """Standard deviation (k,) that noise gives a joint's torque beyond the model's, N m: that of the torque itself, and
+    what the arm's inertias make of that of all positions.
+    """
+    poses = filtered.q[:: max(len(filtered.q) // _POSES, 1)]
+    still = np.zeros_like(poses)
+    weight = arm.inverse(poses, still, still)
+    turned = (arm.inverse(poses, still, still + one) - weight for one in np.eye(len(arm.joints)))
+    inertia = np.stack([np.mean(one[:, filtered.dof] ** 2, axis=0) for one in turned], axis=1)
+    return np.sqrt(np.square(filtered.torque_noise) + inertia @ filtered.acceleration_noise**2)
 
 
 def _guarded(

@@ -111,7 +111,7 @@ def _turned(solved: Solved, joint: int, without: str = "") -> Turned | None:
         return None
     turning = filtered.good & ~part.stretches.kept
     squares = [float(np.sum(one.left(joint)[turning] ** 2)) for one in (base, fitted)]
-    floor = float(np.sum(turning)) * filtered.torque_noise[joint] ** 2
+    floor = float(np.sum(turning)) * float(solved.problem.noise[joint]) ** 2
     share = float(np.clip((squares[0] - squares[1]) / max(squares[0] - floor, 1e-300), 0.0, 1.0))
     return Turned(named, fitted.numbers[fitted.places[-1]], errors, share)
 

@@ -188,10 +188,10 @@ class _Told:
         design, filtered, name = self.design, self.filtered, self.filtered.joints[j]
         coulomb, viscous, offset = self._base(name, design, design.base[j], self.covariance, self.gain[j])
         kept = design.parts[j].stretches.kept
-        remaining, noise = design.left(j)[kept], filtered.torque_noise[j]
         # a record that was smoothed shows no noise
-        smoothed = noise < UNSMOOTHED.value * math.sqrt(float(np.mean(filtered.torque[:, j] ** 2)))
-        remainder = None if smoothed else math.sqrt(float(np.mean(remaining**2))) / noise
+        smoothed = filtered.torque_noise[j] < UNSMOOTHED.value * math.sqrt(float(np.mean(filtered.torque[:, j] ** 2)))
+        left = math.sqrt(float(np.mean(design.left(j)[kept] ** 2)))
+        remainder = None if smoothed else left / float(self.solved.problem.noise[j])
         unit = self._unit(name, "N m")
         better = f", {after:.3g} {unit} with the effects found" if after < SAID_BETTER.value * before else ""
         both, dof = kept & self.plain.parts[j].stretches.kept, filtered.dof[j]
@@ -289,7 +289,7 @@ class _Told:
         above = gained = 0.0
         for j in joints:
             before, after = base.squares(j), refined.squares(j)
-            floor = float(np.sum(base.parts[j].stretches.kept)) * self.filtered.torque_noise[j] ** 2
+            floor = float(np.sum(base.parts[j].stretches.kept)) * float(self.solved.problem.noise[j]) ** 2
             weight = 1.0 / max(float(np.var(self.filtered.torque[:, j])), 1e-300)
             above += weight * max(before - floor, 0.0)
             gained += weight * (before - after)
