@@ -139,6 +139,7 @@ def _by_score(table: Table, options: ReadOptions) -> Chosen | None:
         raise InputError("--run", found, "a run that the file holds")
     readings = runs[number - 1] if runs else []
     readings = readings if options.rate is not None else _held(table, bool(readings)) or readings
+    readings = sorted(readings, key=lambda one: not one.clear)
     if not readings or not readings[0].clear:
         return None
     mappings = parse_columns(readings[0].columns)

@@ -173,7 +173,7 @@ def is_torque(name: str) -> bool:
 
 _NO_MOTION = re.compile(
     r"temperat|humid|pressure|power|energy|current|strom|courant|corriente|heart|price|latitude|longitude|volume"
-    r"|(?<![a-z])(?:temp|lat|lon|hr|bpm|cof|period|interval|duration|periode|période|periodo|dauer|dt)(?![a-z])"
+    r"|(?<![a-z])(?:temp|lat|lon|hr|bpm|cof|load|weight|mass|soc|period|interval|duration|periode|période|periodo|dauer|dt)(?![a-z])"
 )
 """Words of what neither moves nor is a clock, however its numbers rise or fall; a period is none either."""
 

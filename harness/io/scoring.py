@@ -196,7 +196,7 @@ def _leading(moving: Sequence[Column]) -> Iterator[tuple[Column, bool]]:
         ]
         for one in those:
             yield one, none and not alike and one is most and one.told > least
-        none = none and not those
+        none = none and (not those or (channel == "x" and those[0].told == _SCALED))  # a speed needs no scale
 
 
 def _beside(leading: Column, channel: str, moving: Sequence[Column], t: Column | None) -> Column | None:

@@ -18,6 +18,8 @@ _STAMP = re.compile(
 )
 
 
+_BASIC = re.compile(r"(\d{4})(\d\d)(\d\d)T(\d\d)(\d\d)(?=\d\d)")
+"""A date and a time of day without what parts their numbers."""
 _LASTED = re.compile(r"(?P<value>[+-]?\d{1,12}(?:\.\d{1,12})?) ?(?P<unit>sec|s|ms|min|hr)")
 """A duration with its unit in the cell."""
 _LENGTHS = {"sec": 1.0, "s": 1.0, "ms": 1e-3, "min": 60.0, "hr": 3600.0}
@@ -48,7 +50,7 @@ class Clock:
 
         Days and seconds are subtracted apart: seconds since 1970 have no more than seven digits behind the point.
         """
-        found = _STAMP.fullmatch(text.strip())
+        found = _STAMP.fullmatch(_BASIC.sub(r"\1-\2-\3T\4:\5:", text.strip()))
         if found is None:
             return self._lasted(text.strip())
         try:

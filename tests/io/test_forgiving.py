@@ -153,7 +153,9 @@ def test_times_alone_are_one_for_each_turn_when_somebody_says_so(tmp_path: Path,
     assert found.angular
 
 
-@pytest.mark.parametrize("above", ["# sample rate: 200 Hz", "Sampling frequency;0.2 kHz", "# Abtastrate = 200 Hz"])
+@pytest.mark.parametrize(
+    "above", ["# sample rate: 200 Hz", "Sampling frequency;0.2 kHz", "# Abtastrate = 200 Hz", "# fs = 200 Hz"]
+)
 def test_a_rate_above_the_numbers_is_the_one_to_paste(tmp_path: Path, above: str) -> None:
     rows = "\n".join(f"{1e3 * x:.9g}" for x in X)
     path = tmp_path / "laser.csv"

@@ -54,6 +54,7 @@ def test_what_falls_under_a_name_that_says_nothing_and_one_of_several_is_asked(t
         "time,humidity,pressure",
         "time,current_motor",
         "time,heart_rate",
+        "time,load,temp",
         "time,active power",
         "turn,period_us",
         "t [s],U [V]",
@@ -116,6 +117,24 @@ def test_a_clock_goes_on_past_midnight(tmp_path: Path) -> None:
     dates = [f"05-Jan-2024 10:{k // 60:02d}:{k % 60:02d}.500" for k in range(300)]
     found = read_recording(written(tmp_path / "b.csv", "When,angle [deg]", dates, X))
     np.testing.assert_array_equal(found.t, 2.0 * T)
+    basic = [f"20240105T10{k // 60:02d}{k % 60:02d}.500Z" for k in range(300)]
+    np.testing.assert_array_equal(read_recording(written(tmp_path / "c.csv", "When,angle [deg]", basic, X)).t, 2.0 * T)
+
+
+def test_a_blank_before_a_quote_is_no_part_of_a_name(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    rows = (f'"{t:.2f}", "{x:.6f}"' for t, x in zip(T, X, strict=True))
+    path.write_text("\n".join(['"Time (s)", "Position (cm)"', *rows]))
+    np.testing.assert_allclose(read_recording(path)["x"], 0.01 * X, atol=1e-8)
+
+
+def test_a_speed_with_its_unit_goes_before_a_position_in_counts(tmp_path: Path) -> None:
+    counts = np.round(2000.0 * np.cumsum(COAST))
+    found = read_recording(
+        written(tmp_path / "a.csv", "Time [ms],Position [inc],Velocity [rpm]", 1e3 * T, counts, COAST)
+    )
+    assert set(found.channels) == {"v"}
+    assert any("[inc]" in note for note in found.notes)
 
 
 def test_statistics_below_the_rows_are_left_out_of_every_column(tmp_path: Path) -> None:

@@ -43,7 +43,7 @@ _MOST_BELOW = 20
 _COMMENT = ("#", "%")
 _LATIN, _LONGEST_NAME = re.compile(r"[\x00-\xff]*"), 100
 _RATE = re.compile(
-    r"(?:sampl\w{0,6}|abtast|scan|data|update|frame)[ _-]?(?:rate|freq\w{0,6}|hz)?\s?[:=;,\t ]\s{0,9}"
+    r"(?:\bf_?s\b|sampl\w{0,6}|abtast|scan|data|update|frame)[ _-]?(?:rate|freq\w{0,6}|hz)?\s?[:=;,\t ]\s{0,9}"
     r"(?P<rate>\d[\d.,]{0,12})\s?(?P<unit>k?hz|sps|s/s|fps)\b",
     re.IGNORECASE,
 )
@@ -104,7 +104,7 @@ def _cells(where: str, line: str, separator: str) -> list[str]:
     if not separator:
         return line.split()
     try:
-        return [cell.strip() for cell in next(csv.reader([line], delimiter=separator))]
+        return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True))]
     except csv.Error as error:
         accepted = f"cells of at most {csv.field_size_limit()} characters"
         raise InputError(where, f"unreadable ({error})", accepted) from None
