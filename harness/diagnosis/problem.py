@@ -223,12 +223,15 @@ class Problem(ABC):
         """Whether what is slow beside a sample can be the sensors' own: beside a noisy force it is the force's."""
         return self.force_noise is None or not self.force_noise.noise.found
 
-    def own_noise(self, left: Mapping[str, Noise]) -> dict[str, Noise]:
-        """The sensors' own noise, where a model leaves ``left``; what is left of it beside a noisy force."""
+    def own_noise(self, said: Mapping[str, Noise], left: Mapping[str, FloatArray]) -> dict[str, Noise]:
+        """The sensors' own noise, where a model leaves (n,) of each channel what is ``said`` to be such a noise.
+
+        Beside a noisy force it is less: what the motion has of that bends within the windows that tell a noise.
+        """
         force = self.force_noise
         if force is None or not force.noise.found:
-            return dict(left)
-        return {c: force.own(c, n, self.noise[c]) for c, n in left.items()}
+            return dict(said)
+        return force.sensors(self.t, said, self.weight, left)
 
     def whitened(self, values: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         """Residuals (m,) or partials (m, q) of every row in units of the noise, neighbours independent.

@@ -11,14 +11,11 @@ from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
 from harness.core.slider import Slider
 from harness.diagnosis.baseline.base_fit import baseline
-from harness.diagnosis.baseline.residual_noise import residual_noise
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.standard_errors import AT_LEAST, base_parameters, clustered_covariance, term_parameters
 from harness.diagnosis.parameters import free_of
 from harness.diagnosis.pipeline import diagnose, prepare
-from harness.diagnosis.problems import force_noise
 from harness.diagnosis.request import Asked
-from harness.estimate.noise import channel_noise
 from harness.exact.decay import Decay, free_decay
 from harness.kernels.solve import Drive, solve
 from harness.model.model import Model, ModelTerm, Restoring
@@ -134,25 +131,6 @@ def test_a_drag_too_small_to_be_seen_is_within_what_is_said_of_the_damping() -> 
         assert 0.0 < number.systematic < 30.0 * number.stderr
         assert abs(number.value - true) <= 2.0 * number.stderr + number.systematic
         assert P.of(number).model_dump()["systematic"] == number.systematic
-
-
-_SAMPLES, _DRAWS, _OMEGA = 1200, 400, 15.0
-
-
-def test_the_share_is_where_both_ways_are_as_sure() -> None:
-    t: FloatArray = np.arange(float(_SAMPLES)) * 0.013
-    moves = 50.0 * np.sin(_OMEGA * t)
-    random = np.random.default_rng(0)
-    alone, left = np.empty(_DRAWS), np.empty(_DRAWS)
-    for i in range(_DRAWS):
-        noise = random.standard_normal(_SAMPLES)
-        alone[i] = channel_noise(t, noise).sigma ** 2
-        left[i] = residual_noise(t, noise, moves + noise, 2.0 * math.pi / _OMEGA).sigma ** 2
-    off_alone, off_left = (float(np.std(v) / np.mean(v)) * math.sqrt(_SAMPLES) for v in (alone, left))
-    # one standard error of a scatter of 400 draws is 3.5 % of it
-    assert off_alone == pytest.approx(6.1, rel=0.1)
-    assert off_left == pytest.approx(1.7, rel=0.1)
-    assert pytest.approx(off_left / off_alone, abs=0.05) == force_noise._MOSTLY
 
 
 @pytest.mark.parametrize("jitter", [0.0, 5e-4])

@@ -80,7 +80,7 @@ class DrivenRecordings(Kind[Driven]):
         if other_way is not None and not (alone.fits and _leaves_noise(alone.fits[0], based)):
             based, alone = _nearer(based, alone, other_way)
         notes = [ACTS_HELD] if based.whole.is_held else []
-        felt = self._all_felt(based)
+        felt = self._all_felt(based, alone)
         if felt is not None:
             (based, alone), notes = felt, [*notes, ALL_FELT]
         based, alone = _quieter(based, alone)
@@ -95,10 +95,11 @@ class DrivenRecordings(Kind[Driven]):
                 return replace(forced, notes=(_BY_FORCE, *notes, *forced.notes))
         return Found(found, based.scales, found, notes=tuple(notes))
 
-    def _all_felt(self, based: Based[Driven]) -> tuple[Based[Driven], Step] | None:
+    def _all_felt(self, based: Based[Driven], noisy: Step) -> tuple[Based[Driven], Step] | None:
         """With a held force as it is recorded and one law each; None where its scatter may as well be noise.
 
         What the base model leaves out may be what spoke for noise, so that this is asked again beside the best law.
+        noisy : what one law each does beside that noise.
         """
         force = based.problem.force_noise
         if not (based.whole.is_held and force is not None and force.noise.found and not np.any(force.start)):
@@ -106,7 +107,8 @@ class DrivenRecordings(Kind[Driven]):
         with suppress(SimulationError):
             quiet = self._followed(replace(based.whole.as_recorded, force_noise=None, otherwise=()))
             alone = _alone(quiet)
-            least = unlikely(based.fit, based.problem) - AMONG_NAMES.value
+            beside = [unlikely(based.fit, based.problem), *(_with_its_noise(one, based) for one in noisy.fits[:1])]
+            least = min(beside) - AMONG_NAMES.value
             if alone.fits and any(_with_its_noise(one, quiet) < least for one in _forms(alone.fits[0], quiet)):
                 return quiet, alone
         return None

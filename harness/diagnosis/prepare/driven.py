@@ -275,4 +275,4 @@ def _felt(problem: Driven, allowed: Driven, model: Model) -> bool:
     left, period = left_of(problem, found.shown), 2.0 * math.pi / scales.omega
     own = {c: residual_noise(problem.t, left[c], y, period) for c, y in problem.channels.items()}
     as_it_stands = unlikely(found, replace(problem, noise=own))
-    return as_it_stands < unlikely(found, allowed) - DECISIVE.value
+    return as_it_stands < unlikely(found, replace(allowed, noise=allowed.own_noise(own, left))) - DECISIVE.value

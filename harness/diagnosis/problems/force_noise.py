@@ -153,13 +153,8 @@ def _carry(moves: FloatArray, w: FloatArray, x: FloatArray, v: FloatArray) -> No
 carry = compiled(_carry)
 
 
-_MOSTLY = 0.3
-"""Share of what a model leaves of an acceleration that is the sensor's own, from which that is told from it.
-
-Below it the channel alone tells more: of N samples of white noise the variance of a channel by itself (windows of one
-freedom each) is off by 6.1 / sqrt(N) of it, what a model leaves by 1.7 / sqrt(N), which counts over the share
-(tests/diagnosis/test_standard_errors.py draws them).
-"""
+_QUIETER = tuple(2.0 ** (-0.25 * i) for i in range(17))
+"""Shares of a sensor's noise that may be its own beside a noisy force: each a sixth less than the last."""
 
 FAR = 5.0
 """Standard deviations beyond which a sample says no more: it may be on the other side of a jump."""
@@ -209,6 +204,18 @@ class ForceNoise:
         white, variance = self.whitened(t, noise, weight, values)
         return sum(float(np.sum(w**2 + (weight[c] > 0.0) * np.log(variance[c]))) for c, w in white.items())
 
+    def sensors(self, t: FloatArray, noise: Mapping[str, Noise], weight: Mapping[str, FloatArray],
+                values: Mapping[str, FloatArray]) -> dict[str, Noise]:  # fmt: skip
+        """Noise of sensors, likeliest of residuals (n,) at t; no more than ``noise`` nor less than a rounding."""
+        found = dict(noise)
+        for c, most in noise.items():
+            levels = [
+                replace(most, sigma=most.sigma * s) for s in _QUIETER if most.sigma * s >= most.step / math.sqrt(12.0)
+            ]
+            by = [self.unlikely(t, {**found, c: one}, weight, values) for one in levels]
+            found[c] = levels[int(np.argmin(by))] if levels else most
+        return found
+
     def whitened(
         self,
         t: FloatArray,
@@ -248,13 +255,3 @@ class ForceNoise:
         x, v = np.zeros(w.size), np.zeros(w.size)
         carry(self.moves, w, x, v)
         return {"x": x, "v": v, "a": self.slips * (self.push * w - self.pull * x - self.drag * v)}
-
-    def own(self, channel: str, left: Noise, before: Noise) -> Noise:
-        """A sensor's own noise, where ``left`` is what a model leaves and ``before`` what the channel alone tells.
-
-        A simulated acceleration takes the force's noise over from sample to sample, a speed adds it up.
-        """
-        if channel == "x":
-            return left
-        share = 1.0 - (self.push * self.noise.sigma / left.sigma) ** 2
-        return replace(left, sigma=left.sigma * math.sqrt(share)) if channel == "a" and share > _MOSTLY else before

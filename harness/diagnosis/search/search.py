@@ -103,7 +103,7 @@ def noise_of(found: Fit, problem: Problem, omega: float) -> dict[str, Noise]:
     left = {c: problem.even(c, y - found.shown.y[c]) for c, y in problem.channels.items()}
     said = {c: residual_noise(problem.t, left[c], y, period) for c, y in problem.channels.items()}
     if not problem.slow_is_sensors:
-        return problem.own_noise(said)
+        return problem.own_noise(said, left)
     width = window_of(problem.t, period)
     whole = {c: coloured_whole(left[c], problem.weight[c], said[c], width) for c in said}
     if all(whole[c] is said[c] for c in said):
