@@ -55,7 +55,9 @@ def separator_of(lines: Sequence[str]) -> tuple[str, str]:
     if ";" not in last and "\t" not in last and any(map(DECIMAL_COMMA.match, quoted)):
         return ",", "," if not all(map(_WHOLE.match, quoted)) else "."
     for separator in (";", "\t", ","):
-        if separator in last:
+        # tabs and blanks may part the numbers of one line
+        mixed = separator == "\t" and any(len(cell.split()) > 1 and is_row(cell.split()) for cell in last.split("\t"))
+        if separator in last and not mixed:
             return separator, "," if separator != "," and commas else "."
     # a single column's name may have blanks
     single = len(last.split()) == 1 and not any("," in line for line in lines)

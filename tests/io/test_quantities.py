@@ -128,6 +128,26 @@ def test_a_blank_before_a_quote_is_no_part_of_a_name(tmp_path: Path) -> None:
     np.testing.assert_allclose(read_recording(path)["x"], 0.01 * X, atol=1e-8)
 
 
+@pytest.mark.parametrize("counted", [False, True])
+def test_a_scope_that_tells_its_step_has_times(tmp_path: Path, counted: bool) -> None:
+    path = tmp_path / "NewFile1.csv"
+    head = ["X,CH2,CH4,Start,Increment,", "Sequence,Volt,Volt,-1.2e-02,5.0e-03"]
+    head = head if counted else [line.partition(",")[2] for line in head]
+    body = ((f"{k}," if counted else "") + f"{x:.5e},1.0e-3," for k, x in enumerate(X))
+    path.write_text("\n".join([*head, *body]) + "\n")
+    with pytest.raises(InputError, match=r"x=CH2\[m\].* --rate 200"):
+        read_recording(path)
+    found = read_recording(path, ReadOptions(columns="x=CH2[m]", rate=200.0))
+    np.testing.assert_allclose(found["x"], X, atol=1e-5)
+
+
+def test_tabs_and_blanks_may_part_the_numbers_of_one_line(tmp_path: Path) -> None:
+    path = tmp_path / "swing.txt"
+    body = (f"{t:.2f}\t{x:.6f} 0.0008 0.008" for t, x in zip(T, X, strict=True))
+    path.write_text("\n".join(["t\tamplitude xerr yerr", *body]) + "\n")
+    np.testing.assert_allclose(read_recording(path)["x"], X, atol=1e-6)
+
+
 def test_a_speed_with_its_unit_goes_before_a_position_in_counts(tmp_path: Path) -> None:
     counts = np.round(2000.0 * np.cumsum(COAST))
     found = read_recording(

@@ -11,7 +11,7 @@ _BESIDE = 3
 def _find(lines: Sequence[str], name: str) -> Head | None:
     if lines and lines[0].startswith("Record Length,"):
         return _tektronix(lines)
-    if len(lines) > 2 and lines[0].startswith("X,CH"):
+    if len(lines) > 2 and lines[0].startswith(("X,CH", "CH")) and ",Start,Increment" in lines[0]:
         return _rigol(lines)
     return None
 
@@ -31,14 +31,15 @@ def _tektronix(lines: Sequence[str]) -> Head | None:
 
 
 def _rigol(lines: Sequence[str]) -> Head | None:
-    fields, units = (line.rstrip(",").split(",") for line in lines[:2])
-    count = sum(field.startswith("CH") for field in fields)
-    if len(units) < count + 3 or "Increment" not in fields:
+    fields, said = (line.rstrip(",").split(",") for line in lines[:2])
+    step, count = rate_of(said[-1]), fields.index("Start")
+    if len(said) != len(fields) or step is None:
         return None
-    step = rate_of(units[fields.index("Increment")])
-    names = ("sample", *fields[1 : count + 1], *[""] * (len(lines[2].split(",")) - count - 1))
-    found = ("", *("V" if "volt" in unit.lower() else unit for unit in units[1 : count + 1]))
-    return Head(first=2, fields=names, units=found, separator=",", rate=None if step is None else 1.0 / step)
+    names = ["sample" if one == "X" else one for one in fields[:count]]
+    units = ["V" if "volt" in unit.lower() else unit for unit in said[:count]]
+    units = ["" if name == "sample" else unit for name, unit in zip(names, units, strict=True)]
+    more = [""] * (len(lines[2].split(",")) - count)
+    return Head(first=2, fields=(*names, *more), units=tuple(units), separator=",", rate=1.0 / step)
 
 
 LAYOUT = Layout(name="oscilloscope", find=_find)
