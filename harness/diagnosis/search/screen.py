@@ -54,6 +54,19 @@ class _Probe:
     values: tuple[tuple[float, ...], ...]  # one set, or cosine and sine
 
 
+@dataclass(frozen=True, slots=True)
+class _Answer:
+    """A probe with the amplitudes (m,) that take most off, the values they come to and the gain; along (q, m) : how far
+    the motion answers each as it answers what is fitted.
+    """
+
+    probe: _Probe
+    values: tuple[float, ...]
+    gain: float
+    amplitudes: FloatArray
+    along: FloatArray
+
+
 def applicable(term: Term, model: Model, problem: Problem) -> bool:
     """Whether a term can be added to a model of this recording at all."""
     recorded = all(c in problem.channels for c in term.channels)
@@ -148,7 +161,7 @@ def screen(
     norm[norm == 0.0] = 1.0
     q, r = np.linalg.qr(jacobian / norm)
     usable = np.abs(np.diag(r)) > _SEEN
-    found: dict[str, list[Candidate]] = {}
+    found: dict[str, list[_Answer]] = {}
     probes = [
         p
         for term in terms
@@ -173,31 +186,34 @@ def screen(
             continue
         along = q.T @ answers
         across = answers - q @ along
+        size, whole = (np.sqrt(np.sum(columns**2, axis=0)) for columns in (across, answers))
+        own = (size > _OWN * whole) & (size > 0.0)
+        projected = across.T @ residual
         column = 0
         for probe in batch:
-            width = len(probe.values)
-            part = across[:, column : column + width]
-            gram = part.T @ part
-            size = np.sqrt(np.diag(gram))
-            if np.any(size <= _OWN * np.linalg.norm(answers[:, column : column + width], axis=0)) or not np.all(size):
-                column += width
+            here = slice(column, column + len(probe.values))
+            column = here.stop
+            if not np.all(own[here]):
                 continue
-            projected = part.T @ residual
-            amplitudes = np.asarray(np.linalg.lstsq(gram, projected, rcond=1e-12)[0], dtype=np.float64)
-            gain = float(projected @ amplitudes) * scale_up
+            part = across[:, here]
+            amplitudes = np.asarray(np.linalg.lstsq(part.T @ part, projected[here], rcond=1e-12)[0], dtype=np.float64)
             values = _combined(probe, amplitudes)
             if values is not None and np.all(np.isfinite(values)):
-                shift = np.zeros(len(current.free))
-                if np.all(usable):
-                    shift = -np.linalg.solve(r, along[:, column : column + width] @ amplitudes) / norm
-                share = _share_of(current, shift)
-                part_way = _combined(probe, share * amplitudes) if share < 1.0 else None
-                short = None if part_way is None else added(share * shift, probe.term, part_way)
-                candidate = Candidate(probe.term, added(shift, probe.term, values), gain, short)
-                found.setdefault(probe.term.key, []).append(candidate)
-            column += width
-    best = [c for group in found.values() for c in sorted(group, key=lambda c: -c.gain)[:_KEPT]]
-    return sorted(best, key=lambda c: -c.gain)
+                gain = float(projected[here] @ amplitudes) * scale_up
+                found.setdefault(probe.term.key, []).append(_Answer(probe, values, gain, amplitudes, along[:, here]))
+
+    def candidate(answer: _Answer) -> Candidate:
+        probe, term = answer.probe, answer.probe.term
+        shift = np.zeros(len(current.free))
+        if np.all(usable):
+            shift = -np.linalg.solve(r, answer.along @ answer.amplitudes) / norm
+        share = _share_of(current, shift)
+        part_way = _combined(probe, share * answer.amplitudes) if share < 1.0 else None
+        short = None if part_way is None else added(share * shift, term, part_way)
+        return Candidate(term, added(shift, term, answer.values), answer.gain, short)
+
+    best = [a for group in found.values() for a in sorted(group, key=lambda a: -a.gain)[:_KEPT]]
+    return [candidate(a) for a in sorted(best, key=lambda a: -a.gain)]
 
 
 def _limit(current: Fit) -> FloatArray:
