@@ -200,7 +200,9 @@ def _stretch(
 
     def through(reading: Reading, partials: FloatArray, rows: Samples) -> FloatArray:
         """Partials (n, q) of a channel: the motion's through the sensors, the sensors' own beside them."""
-        own: FloatArray = partials[rows] * reading.by_motion[:, None]
+        own = partials[rows]
+        if reading.by_motion is not None:
+            own = own * reading.by_motion[:, None]
         if np.any(reading.by_place):
             own = own + motion.dx[rows] * np.asarray(reading.by_place)[:, None]
         if moved.all() and len(column) == len(by):

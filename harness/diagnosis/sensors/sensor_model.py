@@ -111,12 +111,13 @@ def _reversal(v0: FloatArray, a0: FloatArray, v1: FloatArray, a1: FloatArray, h:
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """A channel as it is shown, y (n,); by_motion (n,) : its partial by the true value. by : partials (n,) by the
-    parameters of sensors, and by the offset of x. by_place (n,) : of an acceleration, its partial by the true place.
+    """A channel as it is shown, y (n,); by_motion (n,) : its partial by the true value, None where it is that. by :
+    partials (n,) by the parameters of sensors, and by the offset of x. by_place (n,) : of an acceleration, its partial
+    by the true place.
     """
 
     y: FloatArray
-    by_motion: FloatArray
+    by_motion: FloatArray | None = None
     by: Mapping[By, FloatArray] = field(default_factory=dict)
     by_place: FloatArray | float = 0.0
 
@@ -140,7 +141,7 @@ def read(
         place = _through(model, "x", t, late.x, late.v)
         shown["x"] = replace(place, y=model.offset + place.y, by={**place.by, "offset": np.ones(t.size)})
     if "v" in channels:
-        shown["v"] = Reading(true.v, np.ones(t.size))
+        shown["v"] = Reading(true.v)
     if "a" in channels:
         shown["a"] = _through(model, "a", t, true.a, true.x)
     return shown
@@ -148,7 +149,7 @@ def read(
 
 def _through(model: Model, channel: Literal["x", "a"], t: FloatArray, y: FloatArray, beside: FloatArray) -> Reading:
     """A channel through its sensors, one after another; beside (n,) : the rate of x, the place for a."""
-    reading = Reading(y, np.ones(t.size))
+    reading = Reading(y)
     for i in sorted(range(len(model.terms)), key=lambda i: model.terms[i].term.order):
         sensor = model.terms[i].term.sensor
         if sensor is None or sensor.channel != channel:
@@ -157,7 +158,7 @@ def _through(model: Model, channel: Literal["x", "a"], t: FloatArray, y: FloatAr
         through = {b: partials * shown.by_y for b, partials in reading.by.items()}
         reading = Reading(
             shown.y,
-            reading.by_motion * shown.by_y,
+            shown.by_y if reading.by_motion is None else reading.by_motion * shown.by_y,
             through | {(i, j): partials for j, partials in enumerate(shown.by)},
             reading.by_place * shown.by_y + shown.by_place,
         )
