@@ -140,7 +140,8 @@ def least_squares(
             if trial is not None and trial[1].squares < point.squares:
                 gained = point.squares - trial[1].squares
                 (at, better) = trial
-                damping = max(damping * _factor(gained / promised), _LEAST)
+                # a step that had to be shortened ends where a longer one fails: the next one begins as short
+                damping = max(damping * max(_factor(gained / promised), 1.0 if refused else 0.0), _LEAST)
             else:
                 refused += 1
                 failed += trial is None
