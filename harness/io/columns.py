@@ -172,8 +172,10 @@ def is_torque(name: str) -> bool:
 
 
 _NO_MOTION = re.compile(
-    r"temperat|humid|pressure|power|energy|current|strom|courant|corriente|heart|price|latitude|longitude|volume"
-    r"|(?<![a-z])(?:temp|lat|lon|hr|bpm|cof|load|weight|mass|soc|period|interval|duration|periode|période|periodo|dauer|dt)(?![a-z])"
+    r"temp[eé]rat|humid|humed|feucht|pressure|pression|presi[oó]n|druck|power|leistung|puissance|potencia|energy|current"
+    r"|strom|courant|corriente|heart|price|latitude|longitude|volume|温度|湿度|气压|気圧|电流|電流|功率|온도|습도|전류"
+    r"|(?<![a-z])(?:temp|lat|lon|hr|bpm|cof|load|weight|mass|soc|period|interval|duration|periode|période|periodo|dauer|dt)"
+    r"(?![a-z])"
 )
 """Words of what neither moves nor is a clock, however its numbers rise or fall; a period is none either."""
 

@@ -64,7 +64,7 @@ _SCALED, _NUMBERS, _NAME, _UNIT = range(-1, 3)
 """By what a column's channel is told, the strongest last; a voltage or a count needs its scale first."""
 _COUNTS = {"row", "index", "idx", "sample", "frame", "count", "id", "nr", "no", "cycle", "step", "line"}
 """Words of a column that counts rows."""
-_IN_VOLTS = re.compile(r"volt|spannung|(?<![a-z])(?:ecg|eeg|emg)(?![a-z])")
+_IN_VOLTS = re.compile(r"volt|spannung|percent|prozent|duty|pwm|(?<![a-z])(?:ecg|eeg|emg)(?![a-z])")
 """Words of what is no motion before somebody says its scale."""
 _NO_SIGN = re.compile(r"absolute|magnitude|norm|\bsigma|\bstd|uncertainty", re.IGNORECASE)
 
@@ -383,7 +383,7 @@ def _by_name(name: str, unit: str | None) -> tuple[str, int, str]:
     if means is not None:
         return named, _UNIT if means.unit else _NAME, means.unit or ""
     ending = unit_ending(name, named)
-    by = _NAME if named else _SCALED if _IN_VOLTS.search(name.lower()) else _NUMBERS
+    by = _SCALED if _IN_VOLTS.search(name.lower()) else _NAME if named else _NUMBERS
     return (ending[0], _UNIT, ending[1]) if ending else (named, by, "")
 
 

@@ -55,6 +55,9 @@ def test_what_falls_under_a_name_that_says_nothing_and_one_of_several_is_asked(t
         "time,current_motor",
         "time,heart_rate",
         "time,load,temp",
+        "Zeit,Temperatur,Leistung",
+        "temps,pression",
+        "时间,温度",
         "time,active power",
         "turn,period_us",
         "t [s],U [V]",
@@ -70,7 +73,7 @@ def test_what_is_no_motion_is_refused_without_a_line_that_reads_it_as_one(tmp_pa
     assert "Try:" not in str(caught.value) or "[m]" in str(caught.value)  # a voltage, with its scale to be given
 
 
-@pytest.mark.parametrize("header", ["t,supply voltage", "t,ecg", "t,gyroADC[0]"])
+@pytest.mark.parametrize("header", ["t,supply voltage", "t,ecg", "t,gyroADC[0]", "t,speed percentage", "t,motor PWM"])
 def test_what_needs_its_scale_is_asked(tmp_path: Path, header: str) -> None:
     asked(written(tmp_path / "a.csv", header, T, 5000.0 * X))
 
