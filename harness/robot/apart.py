@@ -179,12 +179,14 @@ def prepared(
     light = [i for i in range(1, model.nbody) if model.body_dofnum[i] and model.body_mass[i] <= _LIGHTEST]
     if light:
         names = [model.body(i).name or "without a name" for i in light]
-        bare.notes.append(f"{listed(names)} move without a mass of their own, and count as {_LIGHTEST:g} kg")
+        said = "moves without a mass of its own, and counts" if len(names) == 1 else _SAID_OF_MANY
+        bare.notes.append(f"{listed(names)} {said} as {_LIGHTEST:g} kg")
     return model, bare.notes
 
 
 _INERTIAS = ("mjMINVAL", "inertia must")
 """In MuJoCo's words for bodies that cannot be."""
+_SAID_OF_MANY = "move without a mass of their own, and count"
 _LIGHTEST = 1e-9
 """kg: not to be felt beside a robot's grams, and with a reach of 3 cm enough to divide by."""
 _BOUNDS = {"boundmass": f"{_LIGHTEST:g}", "boundinertia": "1e-12"}

@@ -5,7 +5,7 @@ that no mesh is missed.
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -14,7 +14,7 @@ from typing import Any
 from lxml import etree
 
 from harness.core.bounded import MEBIBYTE, check_file, read_bytes
-from harness.core.errors import InputError
+from harness.core.errors import InputError, did_you_mean
 from harness.robot.repair import repaired
 from harness.robot.sdf import as_urdf
 
@@ -26,11 +26,15 @@ MOST_FILES = 50
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """A file of a model. path : where it lies. text : as it stands there. root : of its tree, an lxml element."""
+    """A file of a model. path : where it lies. text : as it stands there. root : of its tree, an lxml element.
+
+    macros : whether it is a model only once xacro has expanded it.
+    """
 
     path: Path
     text: str
     root: Any
+    macros: bool = False
 
 
 _VERSION = re.compile(rb"^(<\?xml\s+version=[\"'])0\.0(?=[\"'])")
@@ -56,7 +60,17 @@ def read_xml(path: Path, edited: Mapping[Path, str] = MappingProxyType({})) -> S
     if tree.docinfo.doctype or tree.docinfo.internalDTD is not None:
         raise InputError(str(path), "a document type, by which entities come in", "a model without one")
     root = tree.getroot()
-    return Source(path, text, _plain(root, texts=root.tag == "sdf"))
+    return Source(path, text, _plain(root, texts=root.tag == "sdf"), any(map(_macro, root.iter(etree.Element))))
+
+
+def _macro(element: Any) -> bool:
+    """Whether an element is xacro's, or has a value of its; what was expanded may still define properties."""
+    if element.prefix is not None:
+        return bool(element.prefix == "xacro" and etree.QName(element).localname not in _LEFT_BY_XACRO)
+    return any("${" in value for value in element.attrib.values())
+
+
+_LEFT_BY_XACRO = ("property", "arg")
 
 
 def with_included(path: Path, edited: Mapping[Path, str] = MappingProxyType({})) -> tuple[Source, ...]:
@@ -121,7 +135,12 @@ def _bare_urdf(file: str, root: Any, notes: list[str]) -> None:
     held = []
     for part in (*root.findall("link"), *root.findall("joint")):
         _check_places(f"{file}: {part.tag} {part.get('name')}", part)
+    links = [link.get("name") or "" for link in root.findall("link")]
     for joint in root.findall("joint"):
+        for name in (end.get("link") or "" for end in (*joint.findall("parent"), *joint.findall("child"))):
+            if name not in links:
+                accepted = f"one of {', '.join(links)}{did_you_mean(name, links)}"
+                raise InputError(f"{file}: joint {joint.get('name')}", f"no link {name!r}", accepted)
         kind = joint.get("type")
         if kind in _FREE:
             joint.set("type", "fixed")
@@ -231,7 +250,10 @@ def bare_model(
     InputError for what is no rigid body, for what is neither MJCF nor URDF, for more copies than are reasonable, and
     for a moving body whose mass is that of a mesh that is not there.
     """
-    found = Bare(with_included(path, edited)[0].root, {}, [])
+    source = with_included(path, edited)[0]
+    found = Bare(source.root, {}, [])
+    if source.macros:
+        raise InputError(str(path), "macros of xacro", f"the model that they make: xacro {path.name} > robot.urdf")
     if found.root.tag == "robot":
         _bare_urdf(str(path), found.root, found.notes)
     elif found.root.tag == "mujoco":
@@ -260,8 +282,9 @@ def _bare_mjcf(
         model.notes.extend(_fixed(root))
     from_shapes = any(one.get("inertiafromgeom") == "true" for one in root.findall("compiler"))
     needed = {name for geom in root.iter("geom") if touching and (name := geom.get("mesh")) is not None}
+    wound = {geom.get("geom") for geom in root.iterfind("tendon/spatial/geom")}
     for world in root.findall("worldbody") if not touching else ():
-        _without_shapes(world, moving=part, from_shapes=from_shapes, needed=needed)
+        _without_shapes(world, moving=part, from_shapes=from_shapes, needed=needed, wound=wound)
     for one in list(root.iterfind("asset/*")):
         name = one.get("name") or Path(one.get("file") or "").stem
         if one.tag == "model":
@@ -367,12 +390,16 @@ _MAIN = "main"
 """The class of what names none."""
 
 
-def _without_shapes(body: Any, moving: bool, from_shapes: bool, needed: set[str]) -> None:
-    """Take out shapes that make no mass, downwards; needed : gets the names of meshes that make one."""
+def _without_shapes(body: Any, moving: bool, from_shapes: bool, needed: set[str], wound: Container[str | None]) -> None:
+    """Take out shapes that make no mass, downwards; needed : gets the names of meshes that make one. wound : names of
+    shapes that tendons are wound around, which stay.
+    """
     own = list(_within(body))
     moving = moving or any(child.tag in ("joint", "freejoint") for child in own)
     explicit = any(child.tag == "inertial" for child in own) and not from_shapes
     for child in own:
+        if child.tag == "geom" and child.get("name") in wound:
+            continue
         if child.tag == "geom" and (
             explicit or not moving or any(_zero(child.get(name, "1")) for name in ("mass", "density"))
         ):
@@ -380,7 +407,7 @@ def _without_shapes(body: Any, moving: bool, from_shapes: bool, needed: set[str]
         elif child.tag == "geom" and child.get("mesh") is not None:
             needed.add(child.get("mesh"))
         elif child.tag == "body":
-            _without_shapes(child, moving, from_shapes, needed)
+            _without_shapes(child, moving, from_shapes, needed, wound)
 
 
 def _within(body: Any) -> Iterator[Any]:

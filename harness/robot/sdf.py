@@ -1,4 +1,4 @@
-"""SDFormat as URDF: one model's links and joints, their frames resolved at the pose of the file.
+"""SDFormat as URDF: links and joints of one model and of those in it, their frames resolved at the pose of the file.
 
 sdformat.org/tutorials, "Pose Frame Semantics"; a joint's axis is in its own frame, in that which it names, or, as
 before 1.5, in the model's. What URDF cannot say of a joint (a loop, a spring, two axes) is refused.
@@ -30,16 +30,51 @@ _DEEPEST = 100
 
 def as_urdf(file: str, root: Any) -> Any:
     """The tree of a URDF that has the model of an SDF's tree. Raises InputError for what URDF cannot say."""
-    models = [one for one in root.iter("model") if one.find("joint") is not None]
-    if len(models) != 1 or models[0].find("model") is not None or models[0].find("include") is not None:
-        found = f"{len(models)} models with joints" if len(models) != 1 else "a model within the model"
-        raise InputError(file, found, f"{_ACCEPTED}; `gz sdf -p` puts what is included into it")
+    outer = [one for one in root.iter("model") if one.getparent().tag != "model"]
+    models = [one for one in outer if any(inner.find("joint") is not None for inner in one.iter("model"))]
+    if len(models) != 1:
+        raise InputError(file, f"{len(models)} models with joints", _ACCEPTED)
     model = models[0]
+    if (included := next(model.iter("include"), None)) is not None:
+        accepted = f"{_ACCEPTED}; `gz sdf -p {file} > whole.sdf` puts what is included into it"
+        raise InputError(file, f"an <include> of {_text(included, 'uri')}", accepted)
     try:
         version = float(root.get("version") or "1.5")
+        _join(model, version)
         return _Frames(file, model, version).urdf()
     except ValueError as error:
         raise InputError(file, f"a number that is none ({error})", _ACCEPTED) from None
+
+
+def _join(model: Any, version: float) -> None:
+    """Put what models within a model have into it, each around a frame of that model's name, and named after it."""
+    for inner in model.findall("model"):
+        _join(inner, version)
+        name = inner.get("name") or ""
+        frame = etree.SubElement(model, "frame", name=name)
+        frame.extend(inner.findall("pose"))
+        for part in [one for one in inner if one.tag in _PARTS]:
+            old = version < _OWN_AXES or any(_text(a, "use_parent_model_frame") in _TRUE for a in part.findall("axis"))
+            for element in part.iter():
+                for key in (key for key in _OF_FRAMES if element.get(key)):
+                    own = element.get(key)
+                    element.set(key, name if own in _MODEL else f"{name}::{own}")
+                if element.tag in ("parent", "child") and _text(element, ".") != _WORLD:
+                    element.text = f"{name}::{_text(element, '.')}"
+                if element.tag == "xyz" and old:
+                    element.set("expressed_in", name)
+            pose = part.find("pose")
+            if part.tag != "joint" and (pose is None or not (pose.get("relative_to") or pose.get("frame"))):
+                pose = etree.SubElement(part, "pose") if pose is None else pose
+                pose.set("relative_to", part.get("attached_to") or name)
+            part.set("name", f"{name}::{part.get('name') or ''}")
+            model.append(part)
+        model.remove(inner)
+
+
+_PARTS, _TRUE = ("link", "joint", "frame"), ("true", "1")
+_OF_FRAMES = ("relative_to", "frame", "attached_to", "expressed_in", "joint")
+"""Attributes that name a frame or joint of their model."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,8 +134,11 @@ class _Frames:
     def _link(self, robot: Any, link: Any, name: str, shift: FloatArray) -> None:
         """A link whose frame is its joint's; shift : from there to the link's own."""
         made, own = etree.SubElement(robot, "link", name=name), link.find("inertial")
-        if own is None:
-            return
+        if own is not None and own.get("auto") in _TRUE:
+            found, accepted = "an inertia that shapes make", f"numbers: gz sdf -p --expand-auto-inertials {self.file}"
+            raise InputError(f"{self.file}: link {name}", found, accepted)
+        if own is None:  # one kilogramme and one kg m^2, as the format and all that read it have it
+            own = etree.Element("inertial")
         inertial = etree.SubElement(made, "inertial")
         _origin(inertial, shift @ _transform(own.find("pose")))
         etree.SubElement(inertial, "mass", value=_text(own, "mass", "1"))

@@ -129,6 +129,22 @@ def test_joints_that_a_tendon_pulls_are_refused(tmp_path: Path, tendon: str, joi
             reduced(arm, name)
 
 
+def test_a_tendon_may_be_wound_around_a_shape_without_a_mass(tmp_path: Path) -> None:
+    pulley = '<geom name="pulley" type="cylinder" size=".05 .02" mass="0"/><joint name="q1"'
+    wound = '<tendon><spatial><site site="s0"/><geom geom="pulley"/><site site="s2"/></spatial></tendon>'
+    arm = loaded(tmp_path, pendulums(wound).replace('<joint name="q1"', pulley, 1))
+    same_torque(arm, loaded(tmp_path, pendulums("")))
+
+
+def test_what_xacro_made_may_still_define_its_properties(tmp_path: Path) -> None:
+    defined = (
+        '<xacro:property xmlns:xacro="http://www.ros.org/wiki/xacro" name="long" value="${1 / 2}"/><link name="l1"'
+    )
+    same_torque(
+        loaded(tmp_path, urdf(1).replace('<link name="l1"', defined, 1), "a.urdf"), loaded(tmp_path, urdf(1), "b.urdf")
+    )
+
+
 FINGERS = (
     '<body name="palm" euler="0 30 0"><body><joint name="left" type="slide" axis="1 0 0" armature=".3"/>'
     '<inertial pos="0 0 0" mass=".2" diaginertia="1 1 1"/></body><body><joint name="right" type="slide" axis="1 0 0"'
@@ -251,6 +267,9 @@ def test_an_attached_model_is_as_if_it_stood_there(tmp_path: Path) -> None:
         ('<origin xyz="0 0" rpy="0 0 0"/>', 'joint elbow: xyz="0 0" in its <origin>; expected three numbers'),
         ('<origin xyz="0 0 0" rpy="0 $(yaw) 0"/>', "joint elbow: rpy="),
         ('<axis xyz="0 1 0"/><axis xyz="0 0 1"/>', "joint elbow: several <axis>; expected one"),
+        ('<child link="gone"/>', "joint elbow: no link 'gone'; expected one of a, b"),
+        ('<origin xyz="${l1} 0 0" rpy="0 0 0"/>', "xacro arm.urdf > robot.urdf"),
+        ('<xacro:insert_block xmlns:xacro="http://www.ros.org/wiki/xacro" name="b"/>', "xacro arm.urdf > robot.urdf"),
     ],
 )
 def test_a_urdf_is_refused_with_the_joint_that_is_wrong(tmp_path: Path, part: str, said: str) -> None:

@@ -87,10 +87,61 @@ def test_what_urdf_cannot_say_is_refused_with_what_can(tmp_path: Path) -> None:
         (whole.replace("0 0 0.2 0.3 0 0", "0 0 zero 0.3 0 0"), "number"),
         (whole.replace('type="revolute"', 'type="screw"'), "screw"),
         ('<sdf version="1.7"><world name="w"/></sdf>', "0 models"),
+        (whole.replace("</model>", "<include><uri>model://camera</uri></include></model>"), "gz sdf -p"),
     ):
         file.write_text(bad)
         with pytest.raises(InputError, match=said):
             load_arm(file)
+
+
+HAND = """<link name="palm"><pose{palm}</pose><inertial><pose>0 0 0.1 0 0 0</pose><mass>0.5</mass></inertial></link>
+<link name="{of}finger"><pose{finger}</pose><inertial><mass>0.2</mass></inertial></link>
+<joint name="{of}grip" type="revolute"><parent>{of}palm</parent><child>{of}finger</child>
+  <axis><xyz{axis}>0 1 0</xyz><dynamics><damping>0.1</damping></dynamics></axis></joint>"""
+
+
+@pytest.mark.parametrize("version", ["1.8", "1.4"])
+def test_a_model_within_a_model_is_where_its_frame_is(tmp_path: Path, version: str) -> None:
+    """A hand as a model of its own, turned, against the same links and joints in the arm's model."""
+    wrist = "<joint name='wrist' type='revolute'><parent>upper</parent><child>{}palm</child><axis><xyz>1 0 0</xyz>"
+    ends, at = "</axis></joint></model></world>", "0.3 0.1 0.2 0.5 -0.2 0.7"
+    inner = HAND.format(of="", palm=">0 0 0.1 0 0 0.3", finger=' relative_to="palm">0 0.05 0 0.4 0 0', axis="")
+    hand = f"<model name='hand'><pose relative_to='upper'>{at}</pose>{inner}</model>"
+    own = ' expressed_in="hand"' if version == "1.4" else ""
+    outer = HAND.replace('"palm"', '"hand::palm"').format(
+        of="hand::",
+        palm=' relative_to="hand">0 0 0.1 0 0 0.3',
+        finger=' relative_to="hand::palm">0 0.05 0 0.4 0 0',
+        axis=own,
+    )
+    frame = f"<frame name='hand'><pose relative_to='upper'>{at}</pose></frame>"
+    arms = []
+    for more in (hand, frame + outer):
+        whole = TWO.format(version=version, expressed="").replace(
+            "</model></world>", more + wrist.format("hand::") + ends
+        )
+        (tmp_path / "hand.sdf").write_text(whole)
+        arms.append(load_arm(tmp_path / "hand.sdf"))
+    assert arms[0].joints == ("shoulder", "wrist", "hand::grip")
+    q, v, a = np.random.default_rng(2).standard_normal((3, 10, 3))
+    assert arms[0].inverse(q, v, a) == pytest.approx(arms[1].inverse(q, v, a), abs=1e-9)
+    assert arms[0].damping == pytest.approx((0.3, 0.0, 0.1))
+
+
+def test_a_link_that_says_nothing_of_its_mass_has_that_of_the_format(tmp_path: Path) -> None:
+    """One kilogramme and one kg m^2, in whatever reads an SDF."""
+    bare = """<sdf version="1.9"><model name="m"><link name="base"/><link name="wheel"><pose>0 0 1 0 0 0</pose></link>
+      <joint name="ground" type="fixed"><parent>world</parent><child>base</child></joint>
+      <joint name="axle" type="revolute"><pose>0 0 -0.5 0 0 0</pose><parent>base</parent><child>wheel</child>
+      <axis><xyz>1 0 0</xyz></axis></joint></model></sdf>"""
+    (tmp_path / "m.sdf").write_text(bare)
+    arm = load_arm(tmp_path / "m.sdf")
+    still, quarter = np.zeros((1, 1)), np.full((1, 1), np.pi / 2.0)
+    assert arm.inverse(quarter, still, still)[0, 0] == pytest.approx(-0.5 * 9.81)
+    assert arm.inverse(still, still, still + 1.0)[0, 0] == pytest.approx(1.0 + 0.5**2)
+    (tmp_path / "m.sdf").write_text(bare.replace("</pose></link>", "</pose><inertial auto='true'/></link>"))
+    with pytest.raises(InputError, match="expand-auto-inertials"):
+        load_arm(tmp_path / "m.sdf")
 
 
 def test_friction_of_its_joint_is_diagnosed_and_divided(tmp_path: Path) -> None:

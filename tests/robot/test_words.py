@@ -72,6 +72,12 @@ TRAPS: list[Trap] = [
         "value=",
     ),
     ("urdf", {"end": TIP.format('<contact_coefficients mu="0.5" kp="1" kd="1"/>', "")}, "mu", "lateral_friction"),
+    (
+        "urdf",
+        {"end": TIP.format("<surface><friction><ode><mu>0.5</mu></ode></friction></surface>", "")},
+        "mu",
+        '<gazebo reference="tip"><mu1>0.5</mu1></gazebo>',
+    ),
     ("sdf", {"joint": "<dynamics><damping>1</damping></dynamics>"}, "damping", "<axis>"),
     ("sdf", {"axis": '<dynamics damping="1"/>'}, "damping", "<damping>"),
     ("sdf", {"axis": "<dynamics><frictionloss>1</frictionloss></dynamics>"}, "frictionloss", "<friction>"),

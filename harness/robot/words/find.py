@@ -8,7 +8,7 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
+from difflib import SequenceMatcher, get_close_matches
 from pathlib import Path
 from typing import Final
 
@@ -265,9 +265,11 @@ def _stray(form: Form, node: Node, name: str, value: str, kind: Kind, element: b
     alike = sorted((word for word in own if word.name == name), key=lambda word: word.kind != kind)
     otherwise = next((word for word in alike if word.element != element and form != "usd" and word.stands(way)), None)
     here = next((word for word in own if form != "usd" and word.kind == kind and word.stands(way)), None)
-    near = get_close_matches(_INSTANCE.sub("*", name), [w.name for w in own if w.kind == kind], n=1, cutoff=0.6)
+    near = get_close_matches(_INSTANCE.sub("*", name), [w.name for w in own if w.kind == kind], cutoff=0.6)
     if near and not (here and alike):
-        usual = next(word for word in own if word.name == near[0] and word.kind == kind)
+        # of names that are as near the one that comes first, as mu1 before mu2 for mu
+        least = SequenceMatcher(None, near[0], name).ratio()
+        usual = next(w for w in own if w.kind == kind and SequenceMatcher(None, w.name, name).ratio() >= least)
     unknown = next((tag for tag in node.way[1:] if tag in _NO_TAGS), None)
     if unknown is not None:
         problem, usual = f"stands in <{unknown}>, a tag that no reader knows", table().common(form, kind)
@@ -284,7 +286,11 @@ def _stray(form: Form, node: Node, name: str, value: str, kind: Kind, element: b
     else:
         problem = "is known to no reader"
     right = usual is not None and value and _NUMBER.fullmatch(value)
-    fix = _instead(form, kind, usual) if not right or usual is None else f"write {usual.written(value)}"
+    fix = (
+        _instead(form, kind, usual)
+        if not right or usual is None
+        else f"write {usual.written(value, _place(node).partition(' ')[2])}"
+    )
     if form == "usd" and (instance := _INSTANCE.search(name)) is not None:
         fix = fix.replace("*", instance[0])
     refusing = {one.name for one in table().of(form) if form == "mjcf" and one.parser == "mujoco"}

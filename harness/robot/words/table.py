@@ -76,13 +76,14 @@ class Word:
     def taken(self, reader: str) -> Taken:
         return self.cells.get(reader, DROPPED)
 
-    def written(self, value: str = "...") -> str:
-        """The word where it belongs."""
+    def written(self, value: str = "...", of: str = "NAME") -> str:
+        """The word where it belongs; of : the link or joint that it is of, where the word's element names it."""
         if self.form == "usd":
             return f"{self.name} = {value}"
         outer, inner = ([*self.at[0].split("/"), ""])[:2]
         outer, inner = (outer, inner) if inner else ("", outer)
-        own = f"<{inner}><{self.name}>{value}</{self.name}></{inner}>" if self.element else ""
+        named = f'{inner} reference="{of}"' if inner == "gazebo" else inner
+        own = f"<{named}><{self.name}>{value}</{self.name}></{inner}>" if self.element else ""
         own = own or f'<{inner} {self.name}="{value}"/>'
         return f"{own} in <{outer}>" if outer not in ("", "body") else own
 
