@@ -23,7 +23,7 @@ from harness.diagnosis.grading.prediction import Predicted
 from harness.diagnosis.inverse_dynamics.grade import ForceGraded
 from harness.diagnosis.outcome import Alternative, Grade, Mechanism, Prediction, Remainder
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.rules import DECISIVE
+from harness.diagnosis.rules import DECISIVE, MOST_LISTED
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search, under
 from harness.fit.autocorrelation import memory
@@ -32,8 +32,6 @@ from harness.model.registry import not_parted
 
 _SPRING_SEEN = 0.1
 """Of friction and damping: a spring whose force is weaker has no rest position that could be spoken of."""
-_MOST_ALTERNATIVES = 3
-"""Names that are not ruled out and are told."""
 
 
 def _of(found: Fit, problem: Problem, index: int, omega: float, explained: bool, delta_bic: float) -> Mechanism:
@@ -84,7 +82,7 @@ def _alternatives(found: Search, entry: ModelTerm, omega: float) -> tuple[Altern
     for name, rival in stand_ins(found, entry):
         clock = any(on_the_swing(e, omega, found.problem.duration) for e in rival.model.terms)
         listed.append((clock, rival.bic - found.chosen.bic, name))
-    return tuple(Alternative(name, delta) for _, delta, name in sorted(listed)[:_MOST_ALTERNATIVES])
+    return tuple(Alternative(name, delta) for _, delta, name in sorted(listed)[: MOST_LISTED.count - 1])
 
 
 def of_misfit(finalist: Finalist, graded: Graded, base: Fit, problem: Problem) -> Mechanism:
@@ -115,7 +113,7 @@ def _beside_main(first: Finalist, graded: Graded) -> tuple[Alternative, ...]:
     twins = {f.name for f in others if not parted and f.large and not_parted(first.name, f.name)}
     found = [Alternative(f.name, first.gain - f.gain) for f in others]
     listed = [a for a in found if a.delta_bic < DECISIVE.value or a.name in twins]
-    return tuple(sorted(listed, key=lambda a: a.name not in twins))[:_MOST_ALTERNATIVES]
+    return tuple(sorted(listed, key=lambda a: a.name not in twins))[: MOST_LISTED.count - 1]
 
 
 def prediction(before: Predicted | None, after: Predicted | None) -> Prediction | None:

@@ -128,15 +128,17 @@ def _one_of(outcome: Outcome, words: Sequence[str], share: str) -> str:
     it, its = _recorded(outcome)
     either = f"{', '.join(words[:-1])} or {words[-1]}"
     names = f"{either}; {it} cannot distinguish them"
-    if outcome.remainder is not None:
-        likely = [m.probability for m in outcome.mechanisms if m.grade is Grade.ONE_OF and m.probability is not None]
-        p = f" (together P {min(sum(likely), _SURE):.2f})" if likely else ""
-        first = f"{words[0]} explains {share} of the misfit."
-        if likely and sum(likely) < MOST_LIKELY.value:
-            return f"Physics is missing, probably no single effect of the catalogue. Nearest{p}: {either}; {first}"
-        return f"Dominant effect missing{p}: {names}. {_capital(first)}"
+    likely = [m.probability for m in outcome.mechanisms if m.grade is Grade.ONE_OF and m.probability is not None]
+    together = min(sum(likely), _SURE)
+    p = f" (together P {together:.2f})" if likely else ""
+    left = outcome.remainder is not None
+    first = f"{words[0]} explains {f'{share} of the misfit' if left else f'{it} to {its} noise'}"
+    if likely and sum(likely) < MOST_LIKELY.value:
+        return f"Physics is missing, probably no single effect of the catalogue. Nearest{p}: {either}; {first}."
+    if left:
+        return f"Dominant effect missing{p}: {names}. {_capital(first)}."
     others = "the other does" if len(words) == 2 else "the others do"
-    return f"Missing physics: {names}. {_capital(words[0])} explains {it} to {its} noise, {others} nearly as well."
+    return f"Missing physics: {names}. {_capital(first)}, {others} nearly as well."
 
 
 def _residual(outcome: Outcome) -> str:

@@ -202,16 +202,15 @@ class ForceNoise:
                  values: Mapping[str, FloatArray]) -> float:  # fmt: skip
         """Minus twice the logarithm of the likelihood of residuals (n,) of channels at t, but for a constant."""
         white, variance = self.whitened(t, noise, weight, values)
-        return sum(float(np.sum(w**2 + (weight[c] > 0.0) * np.log(variance[c]))) for c, w in white.items())
+        return sum(float(np.sum(w**2 + weight[c] ** 2 * np.log(variance[c]))) for c, w in white.items())
 
     def sensors(self, t: FloatArray, noise: Mapping[str, Noise], weight: Mapping[str, FloatArray],
                 values: Mapping[str, FloatArray]) -> dict[str, Noise]:  # fmt: skip
         """Noise of sensors, likeliest of residuals (n,) at t; no more than ``noise`` nor less than a rounding."""
         found = dict(noise)
         for c, most in noise.items():
-            levels = [
-                replace(most, sigma=most.sigma * s) for s in _QUIETER if most.sigma * s >= most.step / math.sqrt(12.0)
-            ]
+            shares = [one for one in _QUIETER if one * most.sigma >= most.step / math.sqrt(12.0)] if most.found else []
+            levels = [replace(most, sigma=one * most.sigma) for one in shares]
             by = [self.unlikely(t, {**found, c: one}, weight, values) for one in levels]
             found[c] = levels[int(np.argmin(by))] if levels else most
         return found

@@ -4,10 +4,10 @@
     tau = stall V (1 - concave |duty|) duty - brake q',  |tau| <= most
     duty = clip(kp (goal - q) - kd q', +-limit)
 
-Friction is Coulomb's, more at rest (Stribeck 1902), and grows with the torques that the gears carry (Duclusaud et al.
-2024, arXiv 2410.08650). A step is semi-implicit: damping at its end, friction at most what stops the joint. With
-backlash the rotor is a body of its own that meets the link at either end of the play and does not bounce; sensor and
-servo are on the link's side, where the encoders of such servos are.
+Friction is Coulomb's, more at rest (Stribeck 1902, in the form of Bo and Pavelescu 1982), and grows with the torques
+that the gears carry (Duclusaud et al. 2024, arXiv 2410.08650). A step is semi-implicit: damping at its end, friction at
+most what stops the joint. With backlash the rotor is a body of its own that meets the link at either end of the play
+and does not bounce; sensor and servo are on the link's side, where the encoders of such servos are.
 """
 
 import math
@@ -30,6 +30,7 @@ NAMES = (
         "ramp",
         "most",
         "concave",
+        "exponent",
     ),
 )
 """Numbers of a run in the order of the kernel's array; their units are in harness.robot.servo.plant."""
@@ -44,7 +45,7 @@ def _dry(theta: FloatArray, v: float, motor: float, outer: float) -> float:
     carried = abs(theta[11] * outer - theta[10] * motor)
     dry = theta[7] + carried
     if theta[8] != 0.0 or theta[12] != 0.0:
-        dry += (theta[8] + theta[12] * abs(motor)) * math.exp(-((v / theta[9]) ** 2))
+        dry += (theta[8] + theta[12] * abs(motor)) * math.exp(-((abs(v) / theta[9]) ** theta[22]))
     return float(max(dry, 0.0))
 
 

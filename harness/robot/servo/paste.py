@@ -7,6 +7,7 @@ from xml.sax.saxutils import quoteattr
 
 from harness.robot.paste import JointPaste
 from harness.robot.servo.fit import ServoFit
+from harness.robot.servo.plant import GAUSSIAN
 from harness.robot.servo.presets import Preset
 
 _BAM = {"sts3215": "sts3215", "sts3215-12v": "sts321512v", "xl330": "xl330"}
@@ -69,7 +70,8 @@ def bam(found: ServoFit, servo: Preset | None, volts: float) -> tuple[dict[str, 
     rest = "f_s" in values or "load_rest" in values
     sides = "load_motor" in values or "load_rest" in values
     if rest:
-        said |= {"friction_stribeck": values.get("f_s", 0.0), "dtheta_stribeck": values["v_s"], "alpha": 2.0}
+        alpha = values.get("exponent", GAUSSIAN)
+        said |= {"friction_stribeck": values.get("f_s", 0.0), "dtheta_stribeck": values["v_s"], "alpha": alpha}
     if sides:
         said["load_friction_motor"] = values.get("load_motor", values.get("load", 0.0))
         said["load_friction_external"] = values.get("load_external", values.get("load", 0.0))

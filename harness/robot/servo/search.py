@@ -27,7 +27,8 @@ _ENOUGH = 2.0
 @dataclass(frozen=True, slots=True)
 class Term:
     """A piece of a servo's physics. starts : of its numbers, one set a try, from the fit without it. replaces : numbers
-    of another term that its own take the place of. said : what it is, in words.
+    of another term that its own take the place of. said : what it is, in words. form : a number of its shape, with its
+    start, that is free where that is better: other forms of one law are no second one.
     """
 
     name: str
@@ -35,6 +36,11 @@ class Term:
     starts: Callable[[ServoFit], list[dict[str, float]]]
     replaces: tuple[str, ...] = ()
     needs: tuple[str, ...] = ()
+    form: tuple[str, float] | None = None
+
+    def numbers(self, found: ServoFit) -> set[str]:
+        """Names of all numbers that it may have."""
+        return set[str]().union(*self.starts(found)) | ({self.form[0]} if self.form else set())
 
 
 def _strongest(found: ServoFit) -> float:
@@ -52,6 +58,8 @@ def _fastest_goal(found: ServoFit) -> float:
     return float(max(np.quantile(rate, 0.98) for rate in rates))
 
 
+_FADES = ("exponent", 1.0)
+"""Of how friction at rest fades: 2 is a Gaussian, 1 an exponential (Bo and Pavelescu 1982)."""
 TERMS = (
     Term("load-friction", "friction grows with the load on the gears", lambda f: [{"load": x} for x in (0.1, 0.25)]),
     Term(
@@ -64,11 +72,13 @@ TERMS = (
         "rest-friction",
         "friction is larger at rest",
         lambda f: [{"f_s": 0.5 * f.values["f_k"] + 0.1 * f.logs.size("f_s"), "v_s": v} for v in (0.1, 0.5)],
+        form=_FADES,
     ),
     Term(
         "load-break-away",
         "friction under the motor's torque is larger at rest",
         lambda f: [{"load_rest": 0.1, "v_s": v} for v in (0.1, 0.5)],
+        form=_FADES,
     ),
     Term(
         "torque-limit",
@@ -178,9 +188,7 @@ def _needed(
 
 def _less(term: Term, others: Sequence[Term], base: ServoFit, now: ServoFit) -> dict[str, float]:
     """Numbers of a fit without those of a term that none of the others has."""
-    own, kept = (
-        set[str]().union(*(start for one in those for start in one.starts(base))) for those in ([term], others)
-    )
+    own, kept = (set[str]().union(*(one.numbers(base) for one in those)) for those in ([term], others))
     return {name: value for name, value in now.values.items() if name not in own - kept}
 
 
@@ -198,8 +206,17 @@ def _ranked(
         tries = [fit(logs, {**kept, **start}, _GLANCE) for start in term.starts(now)]
         looked.append((min(tries, key=lambda one: one.squares), term))
     looked.sort(key=lambda one: -_evidence(now, one[0]))
-    ended = [(fit(logs, one.values), term) for one, term in looked[:_FINALISTS]] + looked[_FINALISTS:]
+    ended = [(_formed(fit(logs, one.values), term), term) for one, term in looked[:_FINALISTS]] + looked[_FINALISTS:]
     return sorted(((_evidence(now, one), term, one) for one, term in ended), key=lambda found: -found[0])
+
+
+def _formed(found: ServoFit, term: Term) -> ServoFit:
+    """A fit with a term, with the shape of that free where evidence asks for it."""
+    if term.form is None or term.form[0] in found.values:
+        return found
+    name, start = term.form
+    freed = fit(found.logs, {**found.values, name: start})
+    return freed if _evidence(found, freed) >= _ENOUGH else found
 
 
 def _evidence(before: ServoFit, after: ServoFit) -> float:

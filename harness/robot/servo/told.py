@@ -94,11 +94,17 @@ def floor(runs: tuple[Run, ...]) -> float:
     return float(np.median(found))
 
 
+def _fading(values: Mapping[str, float]) -> str:
+    """Speed over which friction at rest fades, and how where it is not as a Gaussian."""
+    shape = f", exponent {values['exponent']:.2g}" if "exponent" in values else ""
+    return f"{values['v_s']:.2g} rad/s{shape}"
+
+
 def dry_friction(values: Mapping[str, float]) -> list[str]:
     """What dry friction has besides Coulomb's, as numbers in words."""
     said = []
     if "f_s" in values:
-        said.append(f"{values['f_s']:.3g} N m more at rest, fading over {values['v_s']:.2g} rad/s")
+        said.append(f"{values['f_s']:.3g} N m more at rest, fading over {_fading(values)}")
     if "load" in values:
         said.append(f"{100.0 * values['load']:.3g} % of what the gears carry")
     if "load_motor" in values:
@@ -108,7 +114,6 @@ def dry_friction(values: Mapping[str, float]) -> list[str]:
         )
     if "load_rest" in values:
         said.append(
-            f"{100.0 * values['load_rest']:.3g} % of the motor's torque more at rest, fading over"
-            f" {values['v_s']:.2g} rad/s"
+            f"{100.0 * values['load_rest']:.3g} % of the motor's torque more at rest, fading over {_fading(values)}"
         )
     return said
