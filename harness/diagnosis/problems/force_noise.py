@@ -209,10 +209,10 @@ class ForceNoise:
         """Noise of sensors, likeliest of residuals (n,) at t; no more than ``noise`` nor less than a rounding."""
         found = dict(noise)
         for c, most in noise.items():
-            shares = [one for one in _QUIETER if one * most.sigma >= most.step / math.sqrt(12.0)] if most.found else []
-            levels = [replace(most, sigma=one * most.sigma) for one in shares]
+            rounding = most.step / math.sqrt(12.0)
+            levels = [replace(most, sigma=one * most.sigma) for one in _QUIETER if one * most.sigma >= rounding]
             by = [self.unlikely(t, {**found, c: one}, weight, values) for one in levels]
-            found[c] = levels[int(np.argmin(by))] if levels else most
+            found[c] = levels[int(np.argmin(by))] if most.found and levels else most
         return found
 
     def whitened(
