@@ -19,9 +19,9 @@ def words(y: FloatArray) -> FloatArray:
     """Weights (n,) of readings: of three or more that are the same, one after another, the middle alone counts.
 
     Rounded alike, they are one word. In the middle it errs least where the sensor passes by, by less than the mean of
-    as many roundings would, and counts as that; at either end it is half a step off. Where the sensor turns round or
-    stands it may be half a step off anywhere, and counts as one. Beside short runs to and fro it is noise that brings
-    the readings, each a word of its own.
+    as many roundings would, and counts as that, less what a change of speed on the way shifts the middle by; at either
+    end it is half a step off. Where the sensor turns round or stands it may be half a step off anywhere, and counts as
+    one. Beside short runs to and fro it is noise that brings the readings, each a word of its own.
     """
     first = np.flatnonzero(np.concatenate(([True], y[1:] != y[:-1])))
     size = np.diff(np.concatenate((first, [y.size])))
@@ -33,8 +33,13 @@ def words(y: FloatArray) -> FloatArray:
     turns = steady[:-2] & steady[2:] | (size >= _STANDS)
     one = (size >= _MANY) & (passes | turns)
     weight = np.where(np.repeat(one, size), 0.0, 1.0)
+    worth = np.ones(size.size)
+    speed = 2.0 / (size[1:] + size[:-1])
+    # in steps: a speed that changes evenly from v to v' shifts the middle of a time T by an eighth of T (v - v')
+    shift = size[1:-1] * np.diff(speed) / 8.0
+    worth[1:-1] = np.where(passes[1:-1], 1.0 / (1.0 / size[1:-1] + 12.0 * shift**2), 1.0)
     # of an even run both in the middle, each half a sample early or late
-    share = np.sqrt(np.where(passes, size, 1.0) / (2.0 - size % 2))
+    share = np.sqrt(worth / (2.0 - size % 2))
     for middle in (first + (size - 1) // 2, first + size // 2):
         weight[middle[one]] = share[one]
     return weight

@@ -41,8 +41,16 @@ def _move(m: FloatArray, phi: float, fresh: float, mean: FloatArray, p: FloatArr
             p[a, b] += by[a] * by[b]
 
 
-def _colour(sensor: FloatArray, mean: FloatArray, p: FloatArray) -> None:
-    """The noise of each sensor (k, 2) a sample later."""
+def _own_variance(sigma: float, weight: float) -> float:
+    """Variance of a sensor's noise at a sample of such a weight, of which one of none has nothing to say."""
+    return sigma**2 / weight**2 if weight != 0.0 else sigma**2
+
+
+_compiled_own_variance = compiled(_own_variance)
+
+
+def _colour(sensor: FloatArray, weight: FloatArray, mean: FloatArray, p: FloatArray) -> None:
+    """The noise of each sensor (k, 2) a sample later, where it has a weight (k,)."""
     for c in range(sensor.shape[0]):
         at, phi = MOTION + c, sensor[c, 1]
         for b in range(p.shape[0]):
@@ -51,7 +59,7 @@ def _colour(sensor: FloatArray, mean: FloatArray, p: FloatArray) -> None:
             p[b, at] *= phi
         for b in range(mean.shape[1]):
             mean[at, b] *= phi
-        p[at, at] += (1.0 - phi**2) * sensor[c, 0] ** 2
+        p[at, at] += (1.0 - phi**2) * _compiled_own_variance(sensor[c, 0], weight[c])
 
 
 def _seen_by(h: FloatArray, at: int, p: FloatArray, ph: FloatArray) -> float:
@@ -103,10 +111,11 @@ def _innovations(
 
     moves (N - 1, 2, 4) : position and speed at the next instant by both, the force now and then. force (N,) : its
     noise's standard deviation, phi : and lag-one correlation. place (n,) : the instants at which there are samples.
-    seen (k, n, 3) : what each sensor shows of the motion. sensor (k, 2) : noise and lag-one correlation. weight (k, n).
-    jumps (k, n, 4) : by how much each sensor jumps at the event next to a sample, how far off that is, s, the
-    acceleration before it, m/s^2, by which an uncertain speed moves the event, and how far it may lie off besides, s.
-    start (N, 2) : standard deviations of position and speed at an instant from which the motion is followed anew, or 0.
+    seen (k, n, 3) : what each sensor shows of the motion. sensor (k, 2) : noise and lag-one correlation. weight (k,
+    n) : of samples, by which a sensor's noise is divided. jumps (k, n, 4) : by how much each sensor jumps at the
+    event next to a sample, how far off that is, s, the acceleration before it, m/s^2, by which an uncertain speed
+    moves the event, and how far it may lie off besides, s. start (N, 2) : standard deviations of position and speed
+    at an instant from which the motion is followed anew, or 0.
     """
     k, n, q = y.shape
     size = MOTION + k
@@ -116,14 +125,14 @@ def _innovations(
     for a in range(2):
         p[a, a] = start[place[0], a] ** 2
     for c in range(k):
-        p[MOTION + c, MOTION + c] = sensor[c, 0] ** 2
+        p[MOTION + c, MOTION + c] = _compiled_own_variance(sensor[c, 0], weight[c, 0])
     for i in range(n):
         if i > 0:
             for at in range(place[i - 1], place[i]):
                 _compiled_move(moves[at], phi, new * force[at + 1], mean, p)
                 for a in range(2):
                     p[a, a] += start[at + 1, a] ** 2
-            _compiled_colour(sensor, mean, p)
+            _compiled_colour(sensor, weight[:, i], mean, p)
         for c in range(k):
             h = seen[c, i]
             s = _compiled_seen_by(h, MOTION + c, p, ph)
@@ -136,7 +145,7 @@ def _innovations(
                 for b in range(q):
                     shown = mean[MOTION + c, b] + h[0] * mean[0, b] + h[1] * mean[1, b] + h[2] * mean[2, b]
                     left[b] = y[c, i, b] - shown
-                    out[c, i, b] = weight[c, i] * left[b] / math.sqrt(s)
+                    out[c, i, b] = left[b] / math.sqrt(s)
                 _compiled_take_in(ph, s, left, mean, p)
 
 
@@ -202,7 +211,7 @@ class ForceNoise:
                  values: Mapping[str, FloatArray]) -> float:  # fmt: skip
         """Minus twice the logarithm of the likelihood of residuals (n,) of channels at t, but for a constant."""
         white, variance = self.whitened(t, noise, weight, values)
-        return sum(float(np.sum(w**2 + weight[c] ** 2 * np.log(variance[c]))) for c, w in white.items())
+        return sum(float(np.sum(w**2 + (weight[c] > 0.0) * np.log(variance[c]))) for c, w in white.items())
 
     def sensors(self, t: FloatArray, noise: Mapping[str, Noise], weight: Mapping[str, FloatArray],
                 values: Mapping[str, FloatArray]) -> dict[str, Noise]:  # fmt: skip
