@@ -38,6 +38,8 @@ _WORTH = 0.01
 """Share of the misfit from which a table is worth a sentence."""
 _HARDLY = 1.1
 """Of the noise, below which it is no use to say what a residual looks like."""
+_FRICTION, _ERRORS = ("zeta", "x_k", "c", "f_k"), 2.0
+"""Numbers of friction, and standard errors from zero within which one is not seen."""
 _SURE = 0.99
 """Probability that is not told apart from certainty."""
 
@@ -113,6 +115,9 @@ def _enough(outcome: Outcome, it: str, its: str) -> str:
     if first is not None and first.names:
         likelier = f"{' with '.join(map(_plain, first.names))} may be missing (P {min(first.probability, _SURE):.2f})"
         return f"No missing physics is shown: {explain}. {_capital(likelier)}, which this evidence does not decide."
+    friction = [q for name, q in outcome.base_parameters.items() if name in _FRICTION]
+    if friction and all(q.value is not None and q.value <= _ERRORS * (q.stderr or 0.0) for q in friction):
+        return "No missing physics is shown, nor any friction: its numbers are within two standard errors of zero."
     if problem.looked_at is None:
         return f"No missing physics: {explain}."
     speed, share = problem.looked_at
