@@ -33,11 +33,12 @@ def words(y: FloatArray) -> FloatArray:
     turns = steady[:-2] & steady[2:] | (size >= _STANDS)
     one = (size >= _MANY) & (passes | turns)
     weight = np.where(np.repeat(one, size), 0.0, 1.0)
-    worth = np.ones(size.size)
-    speed = 2.0 / (size[1:] + size[:-1])
-    # in steps: a speed that changes evenly from v to v' shifts the middle of a time T by an eighth of T (v - v')
-    shift = size[1:-1] * np.diff(speed) / 8.0
-    worth[1:-1] = np.where(passes[1:-1], 1.0 / (1.0 / size[1:-1] + 12.0 * shift**2), 1.0)
+    worth, speed = np.ones(size.size), 1.0 / size
+    # in steps: a speed that changes evenly from v to v' shifts the middle of a time T by an eighth of T (v - v'); the
+    # neighbours are two such times apart, and of what the recording cuts off the speed may be any less
+    speed[[0, -1]] = 0.0
+    shift = size[1:-1] * (speed[2:] - speed[:-2]) / 16.0
+    worth[1:-1] = np.where(passes[1:-1], np.maximum(1.0 / (speed[1:-1] + 12.0 * shift**2), 1.0), 1.0)
     # of an even run both in the middle, each half a sample early or late
     share = np.sqrt(worth / (2.0 - size % 2))
     for middle in (first + (size - 1) // 2, first + size // 2):
