@@ -20,7 +20,16 @@ from harness.io.logs.suspicions import unsigned
 from harness.io.options import ReadOptions, RefusedError, tried
 from harness.io.registry import BAGS, formats, kind_of, reader_of
 from harness.io.table import Table
-from harness.io.times import counted_from, even_rate, rising, sampling_notes, since_first, unrolled, whole_numbers
+from harness.io.times import (
+    counted_from,
+    even_rate,
+    evened,
+    rising,
+    sampling_notes,
+    since_first,
+    unrolled,
+    whole_numbers,
+)
 from harness.io.units import Unit
 from harness.io.wrapping import unwrapped
 
@@ -196,12 +205,16 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     for name, values in (*channels.items(), *covariates.items()):
         _check_rows(table, name, values, rows[keep])
     _check_signed(table, mappings, channels)
+    t = t[keep]
     angular = _angular({channel: unit for channel, (_, unit) in read.items()})
     if "x" in channels and (angular or "v" in channels):
-        channels["x"], wrapped = unwrapped(t[keep], channels["x"], channels.get("v"), read["x"][1].factor)
+        channels["x"], wrapped = unwrapped(t, channels["x"], channels.get("v"), read["x"][1].factor)
         mended.append(wrapped)
+    if "t" in read:
+        t, rounded = evened(t, next(channels[c] for c in ("x", "v", "a") if c in channels))
+        mended.append(rounded)
     return Recording(
-        t[keep],
+        t,
         channels,
         file=str(path),
         sha256=digest,
@@ -211,7 +224,7 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
         },
         angular=angular,
         extra=about | ({"commanded": True} if choice.commanded else {}),
-        notes=(*filter(None, notes), *filter(None, mended), *(() if steady else sampling_notes(t[keep]))),
+        notes=(*filter(None, notes), *filter(None, mended), *(() if steady else sampling_notes(t))),
         covariates=covariates,
         columns={c: quoted_of(table, mappings[c], unit) for c, (_, unit) in read.items()},
         mended=tuple(filter(None, mended)),

@@ -198,6 +198,47 @@ def even_rate(t: FloatArray) -> float | None:
     return 1.0 / interval if bool(np.all(np.abs(off - off.mean()) <= _OFF * beside)) else None
 
 
+def evened(t: FloatArray, y: FloatArray) -> tuple[FloatArray, str | None]:
+    """Times (n,), s, that were rounded, on the even clock that they round, and the sentence that says so.
+
+    y : (n,), a channel. Steps of 16 and 17 ms may be those of 60 Hz to whole ms, or what a scheduler did; y is smoother
+    over the clock that it was sampled by. Samples may lack; others are given back as they are.
+    """
+    steps = np.diff(t)
+    if steps.size < _FEWEST:
+        return t, None
+    median = float(np.median(steps))
+    apart = np.diff(np.sort(steps))
+    apart = apart[apart > _TICK * UNEVEN * median]
+    tick = float(apart.min()) if apart.size else 0.0
+    if tick < UNEVEN * median or np.any(np.abs(steps / tick - np.round(steps / tick)) > _WHOLE):
+        return t, None
+    usual = float(np.mean(steps[steps < _LACKS * median]))
+    count = np.concatenate(([0.0], np.cumsum(np.maximum(np.round(steps / usual), 1.0))))
+    about = count - count.mean()
+    interval = float(about @ t) / float(about @ about)
+    even = t.mean() + interval * about
+    if np.ptp(t - even) > (1.0 + _WHOLE) * tick or roughness(even, y) > roughness(t, y):
+        return t, None
+    said = (
+        f"Stamps are rounded to {tick * 1e3:.3g} ms: the even clock of {1.0 / interval:.6g} Hz is taken in their place."
+    )
+    return even, said
+
+
+def roughness(t: FloatArray, y: FloatArray) -> float:
+    """Mean square of what the cubic through two samples on either side leaves of values (n,) at times (n,), n >= 5."""
+    near = [slice(i, t.size - 4 + i) for i in range(5)]
+    at, others = t[near[2]], [near[i] for i in (0, 1, 3, 4)]
+    left = y[near[2]].copy()
+    for one in others:
+        weight = np.ones(at.size)
+        for other in others:
+            weight *= 1.0 if other is one else (at - t[other]) / (t[one] - t[other])
+        left -= weight * y[one]
+    return float(np.mean(left**2))
+
+
 def whole_numbers(t: FloatArray, unit: Unit) -> str | None:
     """A caution where times without a unit are whole numbers and count no seconds, as samples or ms would."""
     if unit.text or t.size < 2 or float(np.median(np.diff(t))) < 1.0 or np.any(t != np.round(t)):
@@ -209,6 +250,11 @@ GAP = 5.0
 """An interval longer than this many medians is a gap."""
 UNEVEN = 0.01
 """Intervals that vary by less than this share of their median are even."""
+_FEWEST = 5
+"""Steps in which a rounding shows."""
+_TICK, _WHOLE, _LACKS = 0.1, 0.05, 1.5
+"""Of the least tick that shows, by which steps differ that are one; of a tick, by which whole ones may be off; medians
+of a step after which a sample lacks."""
 
 
 def sampling_notes(t: FloatArray) -> tuple[str, ...]:

@@ -241,6 +241,34 @@ def test_a_clock_too_coarse_for_even_samples_is_an_even_one(tmp_path: Path) -> N
     assert found.rate == pytest.approx(200.0, rel=5e-3)
 
 
+def recorded(path: Path, t: np.ndarray, stamps: np.ndarray) -> Recording:
+    """A decay at times t under these stamps."""
+    lines = [f"{s:.3f},{x:.17g}" for s, x in zip(stamps, np.exp(-0.5 * t) * np.cos(10.0 * t), strict=True)]
+    path.write_text("\n".join(["t [s],x [m]", *lines]) + "\n")
+    return read_recording(path)
+
+
+@pytest.mark.parametrize("rate", [60.0, 90.0, 120.0, 400.0])
+def test_stamps_rounded_to_ms_are_those_of_an_even_clock(tmp_path: Path, rate: float) -> None:
+    t = np.arange(400) / rate
+    found = recorded(tmp_path / "a.csv", t, np.round(t, 3))
+    assert np.abs(found.t - t).max() < 0.5e-3
+    np.testing.assert_allclose(np.diff(found.t), 1.0 / rate, rtol=1e-4)
+    assert found.mended[0].startswith("Stamps are rounded to 1 ms: the even clock of ")
+    lacking = np.delete(t, [50, 51, 200])
+    kept = recorded(tmp_path / "b.csv", lacking, np.round(lacking, 3))
+    assert np.abs(kept.t - lacking).max() < 0.5e-3
+    assert np.diff(kept.t)[49] == pytest.approx(3.0 / rate, rel=1e-4)
+
+
+def test_whole_ms_at_which_a_scheduler_sampled_stay(tmp_path: Path) -> None:
+    t = np.round(np.arange(400) / 60.0, 3)
+    found = recorded(tmp_path / "a.csv", t, t)
+    np.testing.assert_array_equal(found.t, t)
+    assert not found.mended
+    assert "Sampling is irregular: intervals of 16 to 17 ms, median 17 ms." in found.notes
+
+
 def test_stamps_of_three_digits_grow_coarser(tmp_path: Path) -> None:
     t = 9.0 + T
     found = read_recording(written(tmp_path / "a.csv", "t,x", np.array([float(f"{one:.2E}") for one in t]), X))

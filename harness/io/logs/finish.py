@@ -14,7 +14,7 @@ from harness.io.logs.calibrated import calibrated
 from harness.io.logs.naming import no_such, renamed
 from harness.io.logs.raw import Field, Fields, LogOptions, Raw, one_of
 from harness.io.logs.suspicions import called, coarse, degrees, odd_velocity, unsigned
-from harness.io.times import sampling_notes
+from harness.io.times import evened, sampling_notes
 
 Gain = float | Mapping[str, float]
 _BESIDE: tuple[Literal["goal", "voltage", "driven", "temperature"], ...] = ("goal", "voltage", "driven", "temperature")
@@ -51,7 +51,9 @@ def finished(raw: Raw, file: str, options: LogOptions, gain: Gain | None) -> Fin
     fields, notes = {kind: dict(of) for kind, of in raw.fields.items()}, list(raw.notes)
     position, velocity, effort = (fields.get(kind, {}) for kind in ("position", "velocity", "effort"))
     if raw.t.size > 2:
-        notes += filter(None, [degrees(position, raw.told.get("position", ""))])
+        t, rounded = evened(raw.t, max(position.values(), key=np.ptp, default=raw.t))
+        raw = replace(raw, t=t)
+        notes += filter(None, [rounded, degrees(position, raw.told.get("position", ""))])
         notes += odd_velocity(raw.t, position, velocity)
         signless = unsigned(position, effort)
         if signless:
