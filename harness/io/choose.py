@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
-from harness.core.recording import MINIMUM_SAMPLES
+from harness.core.recording import FEWEST_STEADY, MINIMUM_SAMPLES
 from harness.io.columns import (
     CHANNELS,
     Mapping,
@@ -27,6 +27,8 @@ from harness.io.scoring import GYRO_COUNTS, TURNING, Reading, runs_of
 from harness.io.table import Table
 from harness.io.units import RAW, STEPS, Unit, parse_unit
 
+_ONE_WAY = 0.9
+"""Share of the rows of a friction curve, at least, in which the force has the sign of the speed."""
 _MOST_CHOICES, _SHOWN, _LONG = 6, 8, 60
 """Readings that are tried, columns that are named at most, and characters of a name."""
 
@@ -63,7 +65,11 @@ def chosen(table: Table, options: ReadOptions) -> Chosen:
     mappings = found.mappings
     if not set(mappings) & {"x", "v", "a"}:
         hint = "columns named t and one or more of x, v, a, or a choice of them by --columns"
-        raise RefusedError(str(table.path), f"the columns {table.listed()}", hint, _others(table, options))
+        counted = next((table.headers[i] for i, unit in table.units.items() if STEPS.match(unit)), None)
+        what = f"the columns {table.listed()}" + ("" if counted is None else f"; {counted} is what a sensor counts")
+        if columns is None and _nameless(table):
+            what = f"{table.columns([0])[0].size} rows, too few for a motion, and no names that say a friction curve"
+        raise RefusedError(str(table.path), what, hint, _others(table, options))
     if "t" not in mappings and rate is None and set(mappings) != {"v", "u"}:
         hint = "a column t, or its sampling rate by --rate HZ"
         others = _others(table, options) if columns is None else ()
@@ -90,6 +96,8 @@ def _others(table: Table, options: ReadOptions) -> list[dict[str, Any]]:
     """Choices of columns to try, with a rate to be given where no column is a time."""
     run, timed = (options.run or 1) - 1, options.rate is None
     told = table.said_rate or UNSAID
+    if options.rate is None and (held := _nameless(table)):
+        return [{"columns": held[0].columns, "run": None}]
     for rate, runs in ((options.rate, runs_of(table, timed)), (told, runs_of(table, False) if timed else [])):
         if run < len(runs) and runs[run]:
             said = {} if rate is None else {"rate": rate}
@@ -156,7 +164,23 @@ def _held(table: Table, timed: bool) -> list[Reading]:
     if held and timed:
         speed = table.position(parse_columns(held[0].columns)["v"].names[0])
         held = held if table.columns([speed])[0].size < MINIMUM_SAMPLES else []
-    return held
+    return held or _nameless(table)
+
+
+def _nameless(table: Table) -> list[Reading]:
+    """A friction curve of two columns whose names say nothing, of fewer rows than a motion has; the one that is meant
+    where the force turns its sign with the speed.
+    """
+    if len(table.names) != 2 or any(map(meaning, table.names)) or table.units:
+        return []
+    try:
+        v, u = table.columns([0, 1])
+    except InputError:
+        return []
+    both = float(np.nanmin(v, initial=0.0)) < 0.0 < float(np.nanmax(v, initial=0.0))
+    if not FEWEST_STEADY <= v.size < MINIMUM_SAMPLES or np.nanmean(v * u >= 0.0) < _ONE_WAY:
+        return []
+    return [Reading("v=#1,u=#2", both)]
 
 
 def _several(table: Table, options: ReadOptions) -> Chosen:
@@ -245,8 +269,12 @@ def said(table: Table, mappings: dict[str, Mapping], units: dict[str, Unit], gue
             why = "" if unit_ending(name, channel) or not is_rate(name) else " (no unit given: by name and size)"
         paste.append(f"{channel}={table.quoted(position)}[{shown}]")
         if channel in guessed:
-            parts.append(f"{channel} from {table.headers[position][:_LONG] or table.quoted(position)} in {shown}{why}")
+            parts.append(f"{channel} from {_header(table, position)} in {shown}{why}")
     return f'Read {", ".join(parts)}; to say otherwise: --columns "{",".join(paste)}".'
+
+
+def _header(table: Table, position: int) -> str:
+    return (table.headers[position][:_LONG] if position >= 0 else "") or table.quoted(position)
 
 
 _SI = {"x": "m", "v": "m/s", "a": "m/s^2", "u": "N"}
@@ -288,7 +316,17 @@ def products(table: Table, mappings: dict[str, Mapping]) -> dict[str, tuple[Floa
     at = {name: table.position(name) for mapping in mappings.values() for name in mapping.names}
     positions = sorted(set(at.values()))
     columns = dict(zip(positions, table.columns(positions), strict=True))
-    return {channel: _product(table, mapping, at, columns) for channel, mapping in mappings.items()}
+    read = {}
+    for channel, mapping in mappings.items():
+        try:
+            read[channel] = _product(table, mapping, at, columns)
+        except InputError as error:
+            if mapping.unit is not None or not error.found.endswith("is not a unit"):
+                raise
+            bare = {**mappings, channel: replace(mapping, unit=_SI.get(channel, "s"))}
+            paste = ",".join(f"{c}={quoted_of(table, one)}" for c, one in bare.items())
+            raise RefusedError(error.where, error.found, error.accepted, [{"columns": paste}]) from None
+    return read
 
 
 def _product(
@@ -299,7 +337,7 @@ def _product(
     constants = [column.size == 1 for column in columns]
     unit = unit_of(table, mapping, positions, constants)
     factor = mapping.factor * (1.0 if mapping.channel == "t" else unit.factor)
-    values = columns[0]
+    values = np.cumsum(columns[0]) if mapping.channel == "t" and unit.angular else columns[0]
     with np.errstate(over="ignore", invalid="ignore"):  # what becomes of it is looked at when the rows are checked
         for column in columns[1:]:
             if column.size not in (1, values.size) and values.size != 1:

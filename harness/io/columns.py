@@ -174,15 +174,33 @@ def is_torque(name: str) -> bool:
 _NO_MOTION = re.compile(
     r"temp[eé]rat|humid|humed|feucht|pressure|pression|presi[oó]n|druck|power|leistung|puissance|potencia|energy|current"
     r"|strom|courant|corriente|heart|price|latitude|longitude|volume|温度|湿度|气压|気圧|电流|電流|功率|온도|습도|전류"
-    r"|(?<![a-z])(?:temp|lat|lon|hr|bpm|cof|load|weight|mass|soc|period|interval|duration|periode|période|periodo|dauer|dt)"
+    r"|(?<![a-z])(?:temp|lat|lon|hr|bpm|cof|load|weight|mass|soc|interval|duration|dauer|dt)"
     r"(?![a-z])"
 )
-"""Words of what neither moves nor is a clock, however its numbers rise or fall; a period is none either."""
+"""Words of what neither moves nor is a clock, however its numbers rise or fall."""
 
 
 def is_no_motion(name: str) -> bool:
     """Whether a name says another quantity, and no channel."""
     return not word_of(name) and bool(_NO_MOTION.search(name.lower()))
+
+
+_PERIOD = re.compile(
+    r"(?<![a-z])(?:period|periode|période|periodo)(?![a-z])|umlaufzeit|周期"
+    r"|(?<![a-z])(?:rev(?:olution)?|turn|rotation)s?[\s_-]?(?:time|period|duration)(?![a-z])"
+    r"|(?<![a-z])(?:time|sec|seconds?|s|ms|us|period)[\s_]?(?:per|a|of|/)[\s_]?(?:rev(?:olution)?|turn|rotation)(?![a-z])"
+)
+_OF_A_TURN = re.compile(r"(?<![a-z])(?:rev(?:olution)?|turn|rotation)s?(?![a-z])|umlaufzeit")
+
+
+def is_period(name: str) -> bool:
+    """Whether a name says how long a turn, or a swing, took."""
+    return bool(_PERIOD.search(name.lower()))
+
+
+def is_of_a_turn(name: str) -> bool:
+    """Whether it says that it was a turn."""
+    return bool(_OF_A_TURN.search(name.lower()))
 
 
 def is_angle(name: str) -> bool:

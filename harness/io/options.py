@@ -106,7 +106,7 @@ def unit_of_channel(recording: Recording, channel: str) -> str:
 
 def begun(recording: Recording, rows: int = 3, timed: bool = True) -> str:
     """The first rows of a recording as they were read."""
-    columns = {**({"t": recording.t} if timed else {}), **recording.channels}
+    columns = {**({"t": recording.t} if timed and not recording.steady else {}), **recording.channels}
     return "; ".join(
         f"{name} {', '.join(f'{value:.5g}' for value in values[:rows])} {unit_of_channel(recording, name)}"
         for name, values in columns.items()

@@ -16,7 +16,7 @@ from harness.core.recording import CHANNELS, LARGEST, LONGEST_TIME, MINIMUM_SAMP
 from harness.io.choose import as_angles, chosen, products, quoted_of, said, unscaled
 from harness.io.columns import Mapping, is_magnitude, parse_columns
 from harness.io.join import joined
-from harness.io.logs.suspicions import unsigned
+from harness.io.logs.suspicions import FACTORS, NEAR, ratio, unsigned
 from harness.io.options import ReadOptions, RefusedError, tried
 from harness.io.registry import BAGS, formats, kind_of, reader_of
 from harness.io.table import Table
@@ -37,6 +37,8 @@ _MOST_LOST = 0.05
 """Share of the samples that may be left out unasked: rows written twice, a clock set back once, an empty cell."""
 _AGAIN = 0.1
 """Share of a run's length behind its start up to which the time goes back where another run begins."""
+_NO_GAIN = 2.0
+"""Times the slope of a position, or one over that, from which a channel is not its speed."""
 RrdReader = Callable[[Path], Recording]
 """Reads our own .rrd; passed in, since this room does not know the viewer's library."""
 
@@ -210,6 +212,9 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     if "x" in channels and (angular or "v" in channels):
         channels["x"], wrapped = unwrapped(t, channels["x"], channels.get("v"), read["x"][1].factor)
         mended.append(wrapped)
+    columns = {c: quoted_of(table, mappings[c], unit) for c, (_, unit) in read.items()}
+    if options.columns is None:
+        mended.append(_without_other_speed(t, channels, columns))
     if "t" in read:
         t, rounded = evened(t, next(channels[c] for c in ("x", "v", "a") if c in channels))
         mended.append(rounded)
@@ -220,16 +225,31 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
         sha256=digest,
         units={
             **{name: text for name in beside if (text := table.units.get(table.position(name)))},
-            **{channel: unit.text for channel, (_, unit) in read.items() if unit.text},
+            **{channel: read[channel][1].text for channel in columns if read[channel][1].text},
         },
         angular=angular,
         extra=about | ({"commanded": True} if choice.commanded else {}),
         notes=(*filter(None, notes), *filter(None, mended), *(() if steady else sampling_notes(t))),
         covariates=covariates,
-        columns={c: quoted_of(table, mappings[c], unit) for c, (_, unit) in read.items()},
+        columns=columns,
         mended=tuple(filter(None, mended)),
         steady=steady,
     )
+
+
+def _without_other_speed(t: FloatArray, channels: dict[str, FloatArray], columns: dict[str, str]) -> str | None:
+    """Takes out a speed (n,) that is not the slope of the position, and says what it is to be multiplied by: that of a
+    unit taken for another, a turned sign or a gear. No sensor's gain is so far off.
+    """
+    factor = ratio(t, channels["x"], channels["v"]) if {"x", "v"} <= set(channels) else None
+    if factor is None or _NO_GAIN > factor > 1.0 / _NO_GAIN:
+        return None
+    value, looks = next(((f, f", as {text}") for f, text in FACTORS if abs(factor / f - 1.0) < NEAR), (factor, ""))
+    both = ",".join(f"{c}={name}" for c, name in {**columns, "v": f"{1.0 / value:.6g}*{columns['v']}"}.items())
+    for of in (channels, columns):
+        del of["v"]
+    found = f"The speed is {value:.4g} times the slope of the position{looks}: the position alone is read"
+    return f'{found}; --columns "{both}" reads both.'
 
 
 def _check_signed(table: Table, mappings: dict[str, Mapping], channels: dict[str, FloatArray]) -> None:

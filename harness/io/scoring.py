@@ -21,6 +21,8 @@ from harness.io.columns import (
     is_commanded,
     is_magnitude,
     is_no_motion,
+    is_of_a_turn,
+    is_period,
     is_rate,
     is_torque,
     marked,
@@ -30,7 +32,7 @@ from harness.io.columns import (
 )
 from harness.io.table import Table
 from harness.io.times import SCALES, clock_unit, unrolled
-from harness.io.units import RAW, is_unit_of, parse_unit
+from harness.io.units import RAW, is_unit_of, of_a_turn, parse_unit
 
 _MOST_COLUMNS, _MOST_SAMPLES, _MOST_SPEEDS = 64, 20_000, 16
 """Columns that are looked at; of these, samples and columns at which slopes are compared."""
@@ -55,6 +57,8 @@ _PARTS, _FALLS, _LEFT, _ROUGH = 20, 0.02, 0.25, 0.1
 scatter about them, where it is a speed that runs down: no swing does so."""
 _MG = 700, 1300
 """Whole numbers that all lie so far from 0 may be mg of an accelerometer that feels its weight: asked, never taken."""
+_LONG_TURN = 1e4
+"""ms of a turn, 6 rpm, that nobody waits for."""
 _TURN, _CIRCLE, _SIDE = 2.0 * np.pi, 360.0, 0.05
 _GYRO = 35.0
 """rad/s, 2000 deg/s: more than gyroscopes show; larger numbers of one are deg/s."""
@@ -125,6 +129,8 @@ def runs_of(table: Table, timed: bool = True) -> list[list[Reading]]:
     timed : whether a column must give the time; there is no run where none can.
     """
     columns = _with_turning(_with_gravity(_without_norms(list(_columns(table)))))
+    periods = [one for one in columns if one.channel == "period"]
+    columns = [one for one in columns if one.channel != "period"]
     unknown = [one for one in columns if not one.channel and not one.rises]
     if len(unknown) == 1 and (of_file := word_of(table.path.stem)):  # a signal in a file of its name
         columns = [replace(one, channel=of_file, told=_NAME) if one is unknown[0] else one for one in columns]
@@ -140,7 +146,10 @@ def runs_of(table: Table, timed: bool = True) -> list[list[Reading]]:
     own = [mark for mark in dict.fromkeys(one.mark for one in times) if any(one.mark == mark for one in moving)]
     if len(own) < max(len(clocks), 2):
         t = max(times, key=lambda one: one.told) if times else None
-        alone = len(table.headers) == 1 + len(moving) and all(one.channel == "count" for one in moving)
+        counted = all(one.channel == "count" for one in moving)
+        if len(periods) == 1 and counted and (t is None or _parts(t, periods[0])):
+            return [[Reading(f"{periods[0].as_channel('t')},x=#0[rev]", periods[0].told == _UNIT)]]
+        alone = len(table.headers) == 1 + len(moving) and counted
         return [list(_readings(moving, t)) or (list(_events(moving, t)) if alone else [])] if t else []
     return [list(_readings([one for one in moving if one.mark == mark], clocks[mark])) for mark in own]
 
@@ -170,6 +179,15 @@ def _readings(columns: Sequence[Column], t: Column | None) -> Iterator[Reading]:
 def _events(counts: Sequence[Column], t: Column) -> Iterator[Reading]:
     """Where times stand alone, or beside what counts them: one for each turn."""
     yield Reading(",".join([t.as_channel("t"), f"x={counts[0].said if counts else '#0'}[rev]"]), False)
+
+
+def _parts(t: Column, period: Column) -> bool:
+    """Whether periods are what lies between times."""
+    if t.values.size != period.values.size:
+        return False
+    steps = np.diff(t.values) * parse_unit("", "t", t.unit or "s").factor
+    lasted = period.values[1:] * parse_unit("", "t", period.unit).factor
+    return bool(np.allclose(steps, lasted, rtol=_GAIN, equal_nan=True))
 
 
 def _leading(moving: Sequence[Column]) -> Iterator[tuple[Column, bool]]:
@@ -285,6 +303,8 @@ def _columns(table: Table) -> Iterator[Column]:
             channel = "count"
         onward = float(np.mean(np.diff(unrolled(told)) >= 0.0 if channel == "t" else steps > 0.0))
         rises = onward >= _RISES
+        if channel == "period":
+            unit = unit if of_a_turn(unit) else f"{unit or _unit_of_periods(told)}/rev"
         if channel in ("", "t") and rises and not unit and i not in table.dated:
             unit = clock_unit(told)
         if channel == "x" and not unit and i not in table.units and is_angle(name):
@@ -296,6 +316,12 @@ def _columns(table: Table) -> Iterator[Column]:
         if channel != "other":
             given = unit != table.units.get(i)
             yield Column(i, table.quoted(i), name, channel, by, unit, given, mark, rises, values)
+
+
+def _unit_of_periods(told: FloatArray) -> str:
+    """The unit of periods (n,) of turns that no name tells: whole numbers are ms or us."""
+    whole = bool(np.all(told == np.round(told)))
+    return "us" if whole and np.median(told) > _LONG_TURN else "ms" if whole else "s"
 
 
 def _in_degrees(told: FloatArray) -> bool:
@@ -371,6 +397,9 @@ def _with_turning(columns: Sequence[Column]) -> list[Column]:
 
 def _by_name(name: str, unit: str | None) -> tuple[str, int, str]:
     """The channel of a column, what tells it, and the unit; "other" for what is none, "" where nothing is said."""
+    if of_a_turn(unit or "") or (is_period(name) and (unit is None or is_unit_of("t", unit))):
+        _, short = unit_ending(name, "t") or ("t", "")
+        return "period", _UNIT if of_a_turn(unit or "") or is_of_a_turn(name) else _NAME, unit or short
     means = meaning(name)
     named = means.channel if means is not None else word_of(name) or ("v" if is_rate(name) else "")
     if means is None and is_no_motion(name) and (unit is None or RAW.match(unit)):

@@ -3,12 +3,12 @@
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
 from harness.core.errors import InputError
-from harness.io.columns import ENDINGS
+from harness.io.columns import ENDINGS, is_commanded, is_magnitude
 
 STANDARD_GRAVITY = 9.80665
 """m/s^2; what ``[g]`` means on an acceleration (elsewhere ``g`` is the gram)."""
@@ -114,9 +114,21 @@ _ANGLES = ("rad", "mrad", "deg", "°")
 _ALL_SIMPLE = frozenset().union(*_SIMPLE.values())
 
 
+_OF_A_TURN = re.compile(r"^(?P<time>[a-zµμ]{1,12})\s?/\s?(?:rev(?:olution)?|turn|rotation|U|Umdrehung)$")
+"""A unit of periods, each that of a turn."""
+_REMARKS = re.compile(
+    r"abs(?:olute)?|actual|avg|bottom|calibrated|corrected|elapsed|encoder|epoch|estimated|filtered|front|gefiltert"
+    r"|gemessen|gmt|ist|joint|laser|left|link|local|mean|meas(?:ured)?|motor|rear|rel(?:ative)?|right|sensor|simulated"
+    r"|smooth(?:ed)?|top|total|unfiltered|unix|utc",
+    re.IGNORECASE,
+)
+"""Words in brackets that say which column it is, and no unit."""
+_SEVERAL_WORDS = re.compile(r"[^\W\d_]{2,30}(?:[ _-][^\W_]{1,30}){1,5}")
+
+
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """A unit: its text, the factor to SI, and whether it measures an angle."""
+    """A unit: its text, the factor to SI, and whether it measures an angle; of t, whether it is the time of a turn."""
 
     text: str
     factor: float
@@ -131,8 +143,25 @@ def split_header(header: str) -> tuple[str, str | None]:
     """Split ``x [mm]`` or ``Time (s)`` into name and unit; the unit is None when there are no brackets.
 
     ``position[0]`` is the name of an element, and stays whole. What stands behind the brackets, ``Time (s) Run #1``,
-    belongs to the name; ``w / rad``, ``Weg in mm`` and ``t, ms`` are of the same kind, and ``km/h`` is both.
+    belongs to the name; ``w / rad``, ``Weg in mm`` and ``t, ms`` are of the same kind, and ``km/h`` is both. Words that
+    are no unit, ``time (since start)``, are left out, but for those by which it is not what was measured.
     """
+    name, said = _in_brackets(header)
+    counted = next(filter(STEPS.match, re.split(r"[ _-]", said or "")), None)
+    if said is None or counted == said or not _is_remark(said):
+        return name, said
+    if counted is not None:
+        return name, counted
+    return (header.strip(), None) if is_commanded(said) or is_magnitude(said) else (name, None)
+
+
+def _is_remark(said: str) -> bool:
+    """Whether what stands in brackets is no unit but says which column it is: (since start), [filtered]."""
+    return bool(_REMARKS.fullmatch(said) or (_SEVERAL_WORDS.fullmatch(said) and not is_unit(said)))
+
+
+def _in_brackets(header: str) -> tuple[str, str | None]:
+    """Name of a column and what stands in the brackets of its header; None where there are none."""
     text = header.strip().translate(_WIDE)
     if len(text) > 1 and text in _USUAL:
         return text, text
@@ -203,6 +232,8 @@ def parse_unit(where: str, channel: str, text: str | None) -> Unit:
     if factor := _SIMPLE.get(channel, {}).get(text):
         return Unit(text, factor, channel != "u" and text.startswith(_ANGLES))
     accepted = f"{_ACCEPTED[channel]} for {channel}"
+    if channel == "t" and (time := of_a_turn(text)):
+        return replace(parse_unit(where, channel, time), text=text, angular=True)
     if powers := _BY_POWERS.match(text):
         text = f"{powers['one']}/s" + ("^2" if powers["square"] or powers["power"] in "2²" else "")
     gravity = _GRAVITY.match(text)
@@ -243,6 +274,12 @@ STEPS = re.compile(rf"^{_STEPS}$", re.IGNORECASE)
 """Units of sensors that count."""
 RAW = re.compile(rf"^(?:{_STEPS}|a\.?u\.?|m?v|volts?|%|-|1)?$", re.IGNORECASE)
 """Units of sensors that give no unit of motion."""
+
+
+def of_a_turn(unit: str) -> str:
+    """The unit of time in one of periods of a turn, s/rev; "" for any other."""
+    found = _OF_A_TURN.match(unit)
+    return found["time"] if found else ""
 
 
 def is_unit(text: str) -> bool:

@@ -271,7 +271,10 @@ def test_repeated_rows_are_dropped_and_counted(tmp_path: Path) -> None:
     [
         (180.0 / np.pi, "57.3 times the derivative of the position, as velocity in deg/s"),
         (np.pi / 180.0, "0.01745 times the derivative of the position, as positions in degrees"),
-        (1000.0, "1000 times the derivative of the position, as times in ms"),
+        (
+            1000.0,
+            "1000 times the derivative of the position, as velocity in mm/s beside positions in m, or times in ms",
+        ),
         (-1.0, "-1 times the derivative of the position, as velocity with the sign turned"),
         (1.37, "1.37 times the derivative of the position."),
     ],

@@ -59,14 +59,13 @@ def test_what_falls_under_a_name_that_says_nothing_and_one_of_several_is_asked(t
         "temps,pression",
         "时间,温度",
         "time,active power",
-        "turn,period_us",
         "t [s],U [V]",
         "n,Time [s],Fz [N]",
     ],
 )
 def test_what_is_no_motion_is_refused_without_a_line_that_reads_it_as_one(tmp_path: Path, header: str) -> None:
     beside = [COAST, 2.0 + COAST][: header.count(",")]
-    time = {"n": (np.arange(300.0), T), "turn": (np.arange(300.0),)}.get(header.partition(",")[0], (T,))
+    time = {"n": (np.arange(300.0), T)}.get(header.partition(",")[0], (T,))
     with pytest.raises(InputError) as caught:
         read_recording(written(tmp_path / "a.csv", header, *time, *beside[: header.count(",") + 1 - len(time)]))
     assert "rev]" not in str(caught.value)
@@ -181,3 +180,105 @@ def test_a_curve_of_friction_may_have_other_columns(tmp_path: Path, header: str)
     found = read_recording(written(tmp_path / "a.csv", header, speed, np.sign(speed), 0.1 * speed + 25.0))
     assert found.steady
     np.testing.assert_allclose(found["u"], np.sign(speed))
+
+
+SPEEDS = np.linspace(0.02, 0.6, 30)
+FORCES = 1.5 + 4.0 * SPEEDS
+
+
+@pytest.mark.parametrize("mark", [",", ";", " "])
+@pytest.mark.parametrize("both_ways", [True, False])
+def test_a_curve_of_friction_may_have_no_names(tmp_path: Path, mark: str, both_ways: bool) -> None:
+    v, u = (np.concatenate([-y[::-2], y[::2]]) if both_ways else y for y in (SPEEDS, FORCES))
+    path = tmp_path / "a.csv"
+    path.write_text("".join(f"{one:.17g}{mark}{other:.17g}\n" for one, other in zip(v, u, strict=True)))
+    found = read_recording(path) if both_ways else asked(path)
+    assert found.steady
+    np.testing.assert_allclose(found["v"], v)
+    np.testing.assert_allclose(found["u"], u)
+
+
+def test_few_rows_of_a_motion_are_no_curve_of_friction(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("".join(f"{0.1 * i},{np.cos(i):.6f}\n" for i in range(30)))
+    with pytest.raises(InputError, match="30 samples; expected at least 50"):
+        read_recording(path)
+
+
+PERIODS = 0.1 + 0.002 * np.arange(120.0)
+
+
+@pytest.mark.parametrize(
+    ("header", "per_s", "beside", "told"),
+    [
+        ("rev time [ms]", 1e3, "", True),
+        ("seconds per turn", 1.0, "", True),
+        ("T [s/rev]", 1.0, "", True),
+        ("period", 1.0, "", False),
+        ("period (s)", 1.0, "turn", False),
+        ("period_us", 1e6, "n", False),
+        ("period (s)", 1.0, "time (s)", False),
+    ],
+)
+def test_how_long_each_turn_took_is_when_it_ended(
+    tmp_path: Path, header: str, per_s: float, beside: str, told: bool
+) -> None:
+    ends = np.cumsum(PERIODS)
+    others = {"": (), "time (s)": (ends,)}.get(beside, (np.arange(120.0),))
+    path = written(tmp_path / "a.csv", ",".join([beside, header] if beside else [header]), *others, PERIODS * per_s)
+    found = read_recording(path) if told else asked(path)
+    np.testing.assert_allclose(found.t, ends, rtol=1e-8)
+    np.testing.assert_allclose(found["x"], 2.0 * np.pi * np.arange(120.0), rtol=1e-12)
+    assert found.angular
+
+
+@pytest.mark.parametrize(
+    ("header", "size"),
+    [
+        ("time (since start),pos [mm]", 1e-3),
+        ("Time (from trigger),Displacement (laser 1)", 1.0),
+        ("t (elapsed),x (measured)", 1.0),
+        ("time [UTC],angle (encoder A)", 1.0),
+    ],
+)
+def test_words_in_brackets_that_are_no_unit_say_which_column_it_is(tmp_path: Path, header: str, size: float) -> None:
+    found = read_recording(written(tmp_path / "a.csv", header, T, X))
+    np.testing.assert_array_equal(found.t, T)
+    np.testing.assert_allclose(found["x"], size * X, rtol=1e-8)
+
+
+def test_what_was_commanded_stays_so_in_brackets(tmp_path: Path) -> None:
+    found = read_recording(written(tmp_path / "a.csv", "time,pos (target),pos (measured)", T, 2.0 * X, X))
+    np.testing.assert_allclose(found["x"], X, rtol=1e-8)
+
+
+@pytest.mark.parametrize("header", ["time [s],pos [raw]", "time (since start),pos (encoder counts)"])
+def test_counts_in_brackets_are_asked(tmp_path: Path, header: str) -> None:
+    path = written(tmp_path / "a.csv", header, T, X)
+    with pytest.raises(InputError, match=r"pos .* is what a sensor counts. Try: "):
+        read_recording(path)
+    np.testing.assert_allclose(asked(path)["x"], X, rtol=1e-8)
+
+
+FINE = 0.05 * np.arange(800.0)
+SWING = np.exp(-FINE / 20.0) * np.cos(FINE)
+
+
+@pytest.mark.parametrize("factor", [1000.0, 180.0 / np.pi, -1.0, 7.3])
+def test_a_speed_that_is_not_the_slope_of_the_position_is_left_out_and_said(tmp_path: Path, factor: float) -> None:
+    v = np.gradient(SWING, FINE)
+    path = written(tmp_path / "a.csv", "t,x,v", FINE, SWING, factor * v)
+    found = read_recording(path)
+    assert list(found.channels) == ["x"]
+    assert found.mended[0].startswith("The speed is ")
+    words = shlex.split(found.mended[0])
+    np.testing.assert_allclose(
+        read_recording(path, ReadOptions(columns=words[words.index("--columns") + 1]))["v"], v, rtol=0.01
+    )
+    assert "v" in read_recording(path, ReadOptions(columns="t=t,x=x,v=v")).channels
+
+
+@pytest.mark.parametrize("gain", [0.7, 1.0, 1.4])
+def test_a_gain_of_a_speed_sensor_is_left_to_the_diagnosis(tmp_path: Path, gain: float) -> None:
+    path = written(tmp_path / "a.csv", "t,x,v", FINE, SWING, gain * np.gradient(SWING, FINE))
+    assert list(read_recording(path).channels) == ["x", "v"]

@@ -190,7 +190,7 @@ REFUSED: dict[str, tuple[Any, ...]] = {
         "t,x\n" + "".join(f"{t},1.5\n" for t in T),
         "column x: the constant 1.5; expected a channel that moves",
     ),
-    "no unit": (headed("t,x [blub]"), "column x: 'blub' is not a unit; expected a unit of length or angle"),
+    "no unit": (headed("t,x [blub]"), "column x: 'blub' is not a unit. Try: --columns \"t=t,x='x [blub]'[m]\""),
     "wrong dimension": (headed("t,x [kg]"), f"column x: 'kg' {ANOTHER} (kilogram)"),
     "volts": (headed("t,x [V]"), VOLTS),
     "time in metres": (headed("t [m],x"), f"column t: 'm' {ANOTHER} (meter)"),

@@ -15,7 +15,8 @@ Joints = Mapping[str, FloatArray]
 FACTORS: tuple[tuple[float, str], ...] = (
     (180.0 / np.pi, "velocity in deg/s beside positions in rad"),
     (np.pi / 180.0, "positions in degrees beside velocity in rad/s"),
-    (1000.0, "times in ms that are read as s"),
+    (1000.0, "velocity in mm/s beside positions in m, or times in ms that are read as s"),
+    (1e-3, "positions in mm beside velocity in m/s"),
     (1e6, "times in us that are read as s"),
     (30.0 / np.pi, "velocity in rpm"),
     (0.5 / np.pi, "velocity in turns per second"),
