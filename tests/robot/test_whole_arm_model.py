@@ -1,6 +1,7 @@
 """Errors of the model, and effects of friction beside the base: named with their size, in their joint alone."""
 
 import math
+import re
 from dataclasses import replace
 from functools import reduce
 from pathlib import Path
@@ -128,6 +129,16 @@ def test_late_torque_is_a_pair_with_early_position(late: float) -> None:
     assert (told.pair, told.partner) == (WHICH_IS_LATE, "early position")
     assert told.parameters[0][1].value == pytest.approx(late, abs=3e-4)
     friction_is_right(found)
+
+
+def test_an_eighth_of_a_sample_is_told_with_its_error_and_not_named() -> None:
+    plant, motion = machine()
+    found = whole_arm(log_of(replace(plant, late=0.0005, noise=0.1), motion), arm(), lowpass=LOWPASS)
+    assert found.named == ()
+    ((late, error),) = re.findall(r"([\d.]+) \+- ([\d.]+) s apart, less than a sample", " ".join(found.notes))
+    assert abs(float(late) - 0.0005) < 3.0 * float(error) < 0.001
+    for joint, viscous in zip(found.joints, plant.viscous, strict=True):
+        assert abs((joint.viscous.value or 0.0) - viscous) < 3.0 * (joint.viscous.stderr or 0.0)
 
 
 def test_a_tilted_base_is_named_with_its_angles() -> None:

@@ -38,6 +38,7 @@ POSITION, ASYMMETRIC = position_dependent_friction_cosine.TERM.name, asymmetric_
 QUADRATIC, DRIFT, POWER = quadratic_drag.TERM.name, friction_drift.TERM.name, power_law_damping.TERM.name
 INERTIA, PAYLOAD, MOTOR, DELAY = "inertia-error", "payload", "motor-constant", "torque-delay"
 SENSOR, TILT, ARMATURE, ZERO = "sensor-side", "tilt", "armature-error", "zero-offset"
+WITHIN_A_SAMPLE = "delay-within-a-sample"
 
 LOAD_OR_POSITION = "load- or position-dependent friction of a gravity joint"
 SCALE_OR_MASS = "scale of torque against mass"

@@ -17,6 +17,7 @@ from harness.robot.whole_arm.columns import (
     DELAY,
     PAYLOAD,
     TILT,
+    WITHIN_A_SAMPLE,
     ZERO,
     Candidate,
     friction_candidates,
@@ -26,7 +27,7 @@ from harness.robot.whole_arm.columns import (
 from harness.robot.whole_arm.design import Design, Named, Noise, Part, Parts, Stretches, Whitened
 from harness.robot.whole_arm.differentiate import Filtered, differentiate
 from harness.robot.whole_arm.perturb import tilted, with_load, with_zeros
-from harness.robot.whole_arm.rules import GUARD, LEAST_SAMPLES, MOST, NAMED, RIVAL, SIZE
+from harness.robot.whole_arm.rules import GUARD, LEAST_SAMPLES, MOST, NAMED, RIVAL, SIZE, WITHIN
 
 _EXACT = 3e-4
 """Share of a joint's rms torque to which filter and columns are exact: less is no noise of a sensor."""
@@ -231,8 +232,9 @@ def _search(problem: Problem, candidates: Sequence[Candidate], forced: Sequence[
     parts, t = problem.parts, problem.filtered.t
     whitened = {candidate.key: Whitened.of(candidate, parts) for candidate in candidates}
     chosen = [replace(one, whitened=whitened[one.candidate.key], setting=0) for one in forced]
-    design = Design(parts, chosen)
-    before = held_out(design, t)
+    if not any(one.candidate.key == _SHARED_DELAY for one in chosen):
+        chosen.insert(0, Named(Whitened.of(_within_a_sample(problem), parts)))
+    always, design = len(chosen), Design(parts, chosen)
     refused: set[tuple[str, int | None]] = set()
     best: Named | None = None
     while True:
@@ -240,21 +242,41 @@ def _search(problem: Problem, candidates: Sequence[Candidate], forced: Sequence[
         asked = [w for key, w in whitened.items() if key not in taken and not _full(chosen, w.candidate)]
         if not asked:
             break
-        scores = [design.score(w) for w in asked]
+        scores = [_without_its_part(design, w.candidate).score(w) for w in asked]
         best = max(scores, key=lambda s: s.evidence)
         if best.evidence < NAMED.value:
             break
-        named, trial = polished(parts, chosen, best)
-        after = held_out(trial, t)
+        others = _without_its_part(design, best.candidate)
+        named, trial = polished(parts, others.named, best)
+        before, after = (held_out(one, t) for one in (others, trial))
         if after >= before or not _sized(trial) or _driving(trial) > _driving(design):
             refused.add(best.candidate.key)
             continue
-        design, before = trial, after
+        design = trial
         chosen = [*named[:-1], replace(named[-1], rivals=_rivals(best, scores, design))]
         design.named = tuple(chosen)
         if chosen[-1].candidate.name in CORRECTED:
             return Model(design, 0.0, again=True)
-    return _pruned(parts, chosen, len(forced), best)
+    return _pruned(parts, chosen, always, best)
+
+
+_SHARED_DELAY = DELAY, None
+
+
+def _within_a_sample(problem: Problem) -> Candidate:
+    """What every model has: a delay of all torques by some part of a sample, of which no log is free.
+
+    Too small to be named it shifts viscous friction by many of its errors.
+    """
+    (delay,) = (one for one in problem.candidates if one.key == _SHARED_DELAY)
+    return replace(delay, name=WITHIN_A_SAMPLE, spread=np.array([WITHIN.value / problem.filtered.band.rate]))
+
+
+def _without_its_part(design: Design, candidate: Candidate) -> Design:
+    """The model to which a candidate is added: a delay takes the place of that within a sample."""
+    if candidate.key != _SHARED_DELAY:
+        return design
+    return Design(design.parts, [one for one in design.named if one.candidate.name != WITHIN_A_SAMPLE])
 
 
 def _full(chosen: Sequence[Named], candidate: Candidate) -> bool:
@@ -271,6 +293,7 @@ def _sized(design: Design) -> bool:
         bool(np.all(np.abs(design.numbers[place]) <= SIZE.value * one.candidate.spread))
         and (not one.candidate.positive or float(design.numbers[place][0]) > 0.0)
         for one, place in zip(design.named, design.places, strict=True)
+        if one.candidate.name != WITHIN_A_SAMPLE
     )
 
 
@@ -325,7 +348,7 @@ def _rivals(best: Named, scores: Sequence[Named], after: Design) -> tuple[str, .
     one = best.candidate
     near = [s for s in near if s.candidate.joint in (one.joint, None) or one.joint is None]
     near = [s for s in near if s.candidate.name != one.name]
-    found = [s for s in near if after.score(s.whitened).evidence < NAMED.value]
+    found = [s for s in near if _without_its_part(after, s.candidate).score(s.whitened).evidence < NAMED.value]
     return tuple(dict.fromkeys(s.candidate.name for s in sorted(found, key=lambda s: -s.evidence)))
 
 
@@ -349,7 +372,8 @@ def _pruned(parts: Parts, chosen: Sequence[Named], forced: int, left_out: Named 
         kept, design = settled(parts, kept)
     if left_out is None or left_out.candidate.key in {one.candidate.key for one in kept}:
         return Model(design, 0.0)
-    return Model(design, design.score(Whitened.of(left_out.candidate, parts)).evidence)
+    beside = _without_its_part(design, left_out.candidate)
+    return Model(design, beside.score(Whitened.of(left_out.candidate, parts)).evidence)
 
 
 def _learnt(design: Design, joint: int) -> Noise:

@@ -31,6 +31,7 @@ from harness.robot.whole_arm.columns import (
     SENSOR,
     STRIBECK,
     TILT,
+    WITHIN_A_SAMPLE,
     ZERO,
 )
 from harness.robot.whole_arm.curve import curves
@@ -150,15 +151,12 @@ class _Told:
         for name in solved.still:
             first, second, third = (Quantity.refused(self._unit(name, unit), _STILL) for unit in _BASE)
             found[name] = JointFriction(name, first, second, third, f"{name}: {_STILL} to tell its friction.")
-        notes, errors = list(filtered.notes), []
+        notes, errors = [*filtered.notes, *self._allowed()], []
         for one in self._surest(one for one in self.design.named if not one.candidate.of_friction):
             error = self._error(one)
-            if error.name == DELAY and error.joint is None:
-                delay = error.parameters[0][1]
-                if within_sample(delay, solved.first.filtered.band.rate):
-                    apart = f"Torque and position are {abs(delay.value or 0.0):.2g} s apart"
-                    notes.append(f"{apart}, less than a sample: allowed for.")
-                    continue
+            if error.name == DELAY and error.joint is None and within_sample(error.parameters[0][1], self._rate):
+                notes.append(self._apart(error.parameters[0][1]))
+                continue
             if not any(abs(one.value or 0.0) >= _SEEN * (one.stderr or 0.0) for _, one in error.parameters):
                 notes.append(f"{error.name} is allowed for: none of its numbers is beyond two standard errors.")
                 continue
@@ -175,6 +173,24 @@ class _Told:
             tuple(notes),
             identifiable(solved.first, solved.still),
         )
+
+    @property
+    def _rate(self) -> float:
+        """Hz, of the log."""
+        return self.solved.first.filtered.band.rate
+
+    def _allowed(self) -> Iterator[str]:
+        """What is said of a delay too small to be named, where it shows."""
+        for one, place in zip(self.design.named, self.design.places, strict=True):
+            if one.candidate.name == WITHIN_A_SAMPLE:
+                delay = Quantity(float(self.design.numbers[place][0]), float(self._errors(place)[0]), "s")
+                if abs(delay.value or 0.0) >= _SEEN * (delay.stderr or 0.0):
+                    yield self._apart(delay)
+
+    def _apart(self, delay: Quantity) -> str:
+        size = Quantity(abs(delay.value or 0.0), delay.stderr, "s")
+        less = ", less than a sample" if within_sample(delay, self._rate) else ""
+        return f"Torque and position are {size} apart{less}: allowed for."
 
     def _surest(self, named: Iterator[Named]) -> list[Named]:
         return sorted(named, key=lambda one: -one.evidence)
@@ -268,7 +284,7 @@ class _Told:
             either = {one.candidate.name, *one.rivals} >= {LOAD, POSITION}
             if one.candidate.name == LOAD and load_is_position(self.solved.problem, j, float(numbers[0])):
                 either = True
-            errors = np.sqrt(np.diag(self.covariance)[place])
+            errors = self._errors(place)
             alone = remainder if len(mine) == 1 else None
             yield self._entry(one, name, numbers, errors, share, alone, pair=LOAD_OR_POSITION if either else "")
         if turned:
@@ -280,9 +296,13 @@ class _Told:
         candidate, first = one.candidate, self.solved.first
         (as_found,) = (c for c in first.candidates if c.key == candidate.key)
         share = self._share(self.plain, Design(first.parts, [Named(Whitened.of(as_found, first.parts))]), first.parts)
-        errors = np.sqrt(np.diag(self.covariance)[self.design.place(one)])
+        errors = self._errors(self.design.place(one))
         joint = None if candidate.joint is None else self.filtered.joints[candidate.joint]
         return self._entry(one, joint, self.solved.total(one), errors, share, None, *ERRORS[candidate.name])
+
+    def _errors(self, place: slice) -> FloatArray:
+        """Standard errors of numbers of the model."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)[place]))
 
     def _share(self, base: Design, refined: Design, joints: Iterable[int]) -> float:
         """Share of what the base leaves beyond the noise that a refined model takes, of guarded squares."""
