@@ -131,7 +131,7 @@ def _is_about(error: Exception, option: click.Option, value: str) -> bool:
     writes = not _WRITES.isdisjoint(option.opts)
     if writes and value == "-":
         return False
-    if writes and where in (value, str(Path(value).absolute())):
+    if writes and value and (where == value or Path(where).is_relative_to(Path(value).absolute())):
         return True
     if isinstance(option.type, click.Path) and not writes and not found.startswith("given"):
         return False

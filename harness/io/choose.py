@@ -27,6 +27,7 @@ from harness.io.scoring import GYRO_COUNTS, TURNING, Reading, runs_of
 from harness.io.table import Table
 from harness.io.units import RAW, STEPS, Unit, parse_unit
 
+_NO_UNIT = re.compile("is not a unit$|of another kind|what a sensor counts$")
 _ONE_WAY = 0.9
 """Share of the rows of a friction curve, at least, in which the force has the sign of the speed."""
 _MOST_CHOICES, _SHOWN, _LONG = 6, 8, 60
@@ -110,7 +111,9 @@ def _by_names(table: Table, rate: float | None) -> Chosen | None:
     an angle or of its rate, or where a sensor's own steps are no unit.
     """
     found = candidates(table.names)
-    if any(len(positions) > 1 for positions in found.values()):
+    clock = table.names[found["t"][0]] if "t" in found and rate is None else None
+    # each of several runs has its own clock
+    if (clock is not None and table.names.count(clock) > 1) or any(len(positions) > 1 for positions in found.values()):
         return None
     bare = {c: at[0] for c, at in found.items() if at[0] not in table.units}
     if "x" in bare and is_angle(table.names[bare["x"]]):
@@ -321,11 +324,16 @@ def products(table: Table, mappings: dict[str, Mapping]) -> dict[str, tuple[Floa
         try:
             read[channel] = _product(table, mapping, at, columns)
         except InputError as error:
-            if mapping.unit is not None or not error.found.endswith("is not a unit"):
+            if mapping.unit is not None or not _NO_UNIT.search(error.found):
                 raise
-            bare = {**mappings, channel: replace(mapping, unit=_SI.get(channel, "s"))}
-            paste = ",".join(f"{c}={quoted_of(table, one)}" for c, one in bare.items())
-            raise RefusedError(error.where, error.found, error.accepted, [{"columns": paste}]) from None
+            no_unit = channel == "t" or error.found.endswith("is not a unit")
+            unit = f"{quoted_of(table, mapping)}[{_SI.get(channel, 's')}]"
+            paste = {c: quoted_of(table, one) for c, one in mappings.items()} | {
+                channel: unit if no_unit else f"1*{unit}"
+            }
+            found = error.found if no_unit else f"{error.found}, whose scale goes in place of 1"
+            others = [{"columns": ",".join(f"{c}={one}" for c, one in paste.items())}]
+            raise RefusedError(error.where, found, error.accepted, others) from None
     return read
 
 

@@ -18,7 +18,7 @@ from harness.io.columns import Mapping, is_magnitude, parse_columns
 from harness.io.join import joined
 from harness.io.logs.suspicions import FACTORS, NEAR, ratio, unsigned
 from harness.io.options import ReadOptions, RefusedError, tried
-from harness.io.registry import BAGS, formats, kind_of, reader_of
+from harness.io.registry import BAGS, formats, kind_of, reader_for
 from harness.io.table import Table
 from harness.io.times import (
     counted_from,
@@ -37,6 +37,8 @@ _MOST_LOST = 0.05
 """Share of the samples that may be left out unasked: rows written twice, a clock set back once, an empty cell."""
 _AGAIN = 0.1
 """Share of a run's length behind its start up to which the time goes back where another run begins."""
+_BACKWARDS = 0.99
+"""Share of the steps of a time that go back, from which its rows stand with the latest first."""
 _NO_GAIN = 2.0
 """Times the slope of a position, or one over that, from which a channel is not its speed."""
 RrdReader = Callable[[Path], Recording]
@@ -51,7 +53,7 @@ def sha256(path: Path) -> str:
 
 def _open(path: Path, options: ReadOptions) -> Table:
     kind = kind_of(path)
-    reader = reader_of(kind)
+    reader = reader_for(path)
     if reader is not None and reader.text:
         return reader.open(path, options.skip_rows)
     if options.skip_rows:
@@ -92,7 +94,7 @@ def _in_order(table: Table, t: FloatArray, rows: IntArray) -> tuple[FloatArray, 
     if rate is not None:
         again = int(np.count_nonzero(np.diff(t) == 0.0))
         said = f"{again} of {t.size} times repeat the one before ({row}): an even clock of {rate:.6g} Hz is taken"
-        even = t[0] + (rows - rows[0]) / rate
+        even = t[0] + np.abs(rows - rows[0]) / rate
         return even, np.ones(t.size, bool), f"{said}, from which none is further off than its own step."
     i = int(lost[0])
     found = f"time {t[i]:.9g} s does not come after {t[i - 1]:.9g} s"
@@ -106,7 +108,7 @@ def _kept(path: Path, t: FloatArray, options: ReadOptions) -> slice:
     count = max(last - first, 0)
     if count < MINIMUM_SAMPLES:
         cut = "" if count == t.size else f" between --from and --to (the file runs from {t[0]:g} s to {t[-1]:g} s)"
-        raise InputError(str(path), f"{count} samples{cut}", f"at least {MINIMUM_SAMPLES}")
+        raise InputError(str(path), f"{count} sample{'' if count == 1 else 's'}{cut}", f"at least {MINIMUM_SAMPLES}")
     return slice(first, last)
 
 
@@ -125,7 +127,7 @@ def read_recording(path: Path, options: ReadOptions | None = None, read_rrd: Rrd
         others = [read_recording(one, replace(alone, columns=None), read_rrd) for one in options.join]
         return joined(read_recording(path, alone, read_rrd), others)
     check_file(path)
-    reader = reader_of(kind_of(path))
+    reader = reader_for(path)
     try:
         if reader is not None and reader.text:
             check_size(path, MOST_BYTES)
@@ -176,9 +178,8 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     read, turns = as_angles(path, products(table, mappings)) if options.angle else (products(table, mappings), None)
     dated = counted_from(table, mappings)
     steady = "t" not in mappings and options.rate is None
-    guesses = said(table, mappings, {c: unit for c, (_, unit) in read.items()}, guessed)
-    notes: list[str | None] = [guesses, *choice.notes, step, turns, _STEADY if steady else None]
-    notes += unscaled(table, mappings, read)
+    said_of = (said(table, mappings, {c: unit for c, (_, unit) in read.items()}, guessed), *choice.notes, step, turns)
+    notes: list[str | None] = [*said_of, _STEADY if steady else None, *unscaled(table, mappings, read)]
     named = [table.position(name) for name in options.covariates]
     beside = dict(zip(options.covariates, table.read(named) if named else (), strict=True))
     sizes = {name: values.size for name, values in (*((c, y) for c, (y, _) in read.items()), *beside.items())}
@@ -193,10 +194,12 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
         _check_rows(table, "t", t, rows)
     else:
         stamps = unrolled(read["t"][0]) if dated is None else read["t"][0]
+        rows, turned = _forward(stamps, rows)
         rows, below = _run_below(stamps, rows, options, choice.runs, str(path))
         t, notes_of_t = _stamped(stamps, read["t"][1], rows, dated)
         about = {"runs": max(below, choice.runs), **_clock(stamps[rows], t, dated)}
         notes += [f"{_BELOW.format(below)}: run {options.run or 1} is read." if below > 1 else None, *notes_of_t]
+        mended.append(turned)
         _check_rows(table, "t", t, rows)
         t, after, lost = _in_order(table, t, rows)
         t, rows = t[after], rows[after]
@@ -213,8 +216,7 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
         channels["x"], wrapped = unwrapped(t, channels["x"], channels.get("v"), read["x"][1].factor)
         mended.append(wrapped)
     columns = {c: quoted_of(table, mappings[c], unit) for c, (_, unit) in read.items()}
-    if options.columns is None:
-        mended.append(_without_other_speed(t, channels, columns))
+    mended.append(_without_other_speed(t, channels, columns) if options.columns is None else None)
     if "t" in read:
         t, rounded = evened(t, next(channels[c] for c in ("x", "v", "a") if c in channels))
         mended.append(rounded)
@@ -260,6 +262,13 @@ def _check_signed(table: Table, mappings: dict[str, Mapping], channels: dict[str
     if any(map(is_magnitude, names)) or (moved and unsigned(moved, {"": channels["u"]})):
         found = "values without a sign, which say nothing of friction"
         raise InputError(f"{table.path}: column {'*'.join(names)}, as u", found, "a force or torque with its sign")
+
+
+def _forward(stamps: FloatArray, rows: IntArray) -> tuple[IntArray, str | None]:
+    """The rows from the first, where they stand with the latest first, and the sentence that says so."""
+    if np.count_nonzero(np.diff(stamps[rows]) < 0.0) > max(_BACKWARDS * rows.size, 1.0):
+        return rows[::-1], "Rows stand with the latest first: they are read from the last."
+    return rows, None
 
 
 def _run_below(t: FloatArray, rows: IntArray, options: ReadOptions, beside: int, file: str) -> tuple[IntArray, int]:

@@ -6,6 +6,7 @@ or of group ``harness.layouts``, the Layout.
 """
 
 import pkgutil
+import re
 from collections.abc import Mapping
 from functools import cache
 from importlib import import_module
@@ -23,6 +24,9 @@ K = TypeVar("K")
 GROUP, LAYOUTS = "harness.readers", "harness.layouts"
 OURS = ".rrd"
 """Our own traces, read by another room."""
+_LOOKED = 1 << 12
+"""Bytes in which rows of numbers are looked for."""
+_ROW = re.compile(rb"\s*[+-]?\.?\d[\d.,;:eE+\-\s]*")
 BAGS = (".bag", ".db3", ".mcap")
 """Of robots: what is in them hangs on a robot's model, so that they are read as logs."""
 
@@ -62,9 +66,26 @@ def kind_of(path: Path) -> str:
     return suffixes[-1] if suffixes else ""
 
 
-def reader_of(suffix: str) -> Reader | None:
-    """The reader of files with this suffix, None where there is none."""
-    return by_suffix().get(suffix)
+def reader_for(path: Path) -> Reader | None:
+    """The reader of a file by its suffix; where that says none, or a format of numbers in binary, that of text for one
+    that holds rows of numbers as text. None where there is none.
+    """
+    reader = by_suffix().get(kind_of(path))
+    if (reader is None or not reader.text) and kind_of(path) not in (OURS, *BAGS) and _holds_rows(path):
+        return by_suffix()[".csv"]
+    return reader
+
+
+def _holds_rows(path: Path) -> bool:
+    try:
+        with path.open("rb") as file:
+            head = file.read(_LOOKED)
+    except OSError:
+        return False
+    lines = head.split(b"\n")[:-1]
+    rows = [line for line in lines if _ROW.fullmatch(line)]
+    marked = b"\x00" in head or head.lstrip()[:1] in (b"<", b"{", b"[")
+    return not marked and len(rows) > max(0.5 * len(lines), 1)
 
 
 def formats() -> str:

@@ -297,6 +297,8 @@ def _columns(table: Table) -> Iterator[Column]:
         if told.size < max(_HALF * (known[-1] + 1 if known.size else 0), 2) or np.all(told == told[0]):
             continue
         mark, name = marked(table.names[i])
+        if again := table.names[:i].count(table.names[i]):  # of columns that repeat, a later run
+            mark = (*mark, str(again + 1))
         channel, by, unit = _by_name(name, table.units.get(i))
         steps = np.diff(told)
         if channel != "t" and i not in table.dated and _is_count(header, told, steps):

@@ -117,6 +117,11 @@ _FINEST = 1.0 / _DAY
 """Of which nobody records so many a second: samples of less than a second, in days."""
 
 
+def _are_whole(t: FloatArray) -> bool:
+    """Whether times (n,) are whole numbers, but for what a computation of them left."""
+    return bool(np.all(np.abs(t - np.round(t)) <= 4.0 * np.spacing(np.abs(t).max())))
+
+
 def clock_unit(t: FloatArray) -> str:
     """The unit of times (n,) that no name tells: that of stamps since 1970, of days of a calendar, of whole numbers too
     far apart for s; "" where it may be s.
@@ -126,7 +131,7 @@ def clock_unit(t: FloatArray) -> str:
     step = float(np.median(np.diff(t)))
     if any(low <= t[0] and t[-1] < high for low, high in _CALENDARS) and 0.0 < step < _FINEST:
         return "day"
-    if np.any(t != np.round(t)):
+    if not _are_whole(t):
         return ""
     if since := next((unit for low, high, unit, f in _EPOCHS if low <= t[0] < high and step * f < _MINUTE), ""):
         return since
@@ -241,7 +246,7 @@ def roughness(t: FloatArray, y: FloatArray) -> float:
 
 def whole_numbers(t: FloatArray, unit: Unit) -> str | None:
     """A caution where times without a unit are whole numbers and count no seconds, as samples or ms would."""
-    if unit.text or t.size < 2 or float(np.median(np.diff(t))) < 1.0 or np.any(t != np.round(t)):
+    if unit.text or t.size < 2 or float(np.median(np.diff(t))) < 1.0 or not _are_whole(t):
         return None
     return "Times are whole numbers without a unit, read as s; --columns with t=NAME[ms], or --rate, says otherwise."
 

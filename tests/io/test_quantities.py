@@ -282,3 +282,43 @@ def test_a_speed_that_is_not_the_slope_of_the_position_is_left_out_and_said(tmp_
 def test_a_gain_of_a_speed_sensor_is_left_to_the_diagnosis(tmp_path: Path, gain: float) -> None:
     path = written(tmp_path / "a.csv", "t,x,v", FINE, SWING, gain * np.gradient(SWING, FINE))
     assert list(read_recording(path).channels) == ["x", "v"]
+
+
+def test_what_repeats_with_its_time_is_another_run(tmp_path: Path) -> None:
+    path = written(tmp_path / "a.csv", "t,x,t,x,t,x", T, X, T, 2.0 * X, T, 3.0 * X)
+    for run in (1, 2, 3):
+        np.testing.assert_allclose(read_recording(path, ReadOptions(run=run))["x"], run * X, rtol=1e-8)
+    assert any("holds 3 runs" in note for note in read_recording(path).notes)
+
+
+def test_rows_with_the_latest_first_are_read_from_the_last(tmp_path: Path) -> None:
+    found = read_recording(written(tmp_path / "a.csv", "t,x", T[::-1], X[::-1]))
+    np.testing.assert_array_equal(found.t, T)
+    np.testing.assert_allclose(found["x"], X, rtol=1e-8)
+    assert found.mended == ("Rows stand with the latest first: they are read from the last.",)
+
+
+@pytest.mark.parametrize("name", ["rig.mat", "rig", "rig.data", "rig.xls"])
+def test_rows_of_text_are_read_under_any_name(tmp_path: Path, name: str) -> None:
+    np.testing.assert_allclose(read_recording(written(tmp_path / name, "t,x", T, X))["x"], X, rtol=1e-8)
+
+
+def test_whole_ms_that_were_computed_are_ms(tmp_path: Path) -> None:
+    path = tmp_path / "rig.npz"
+    np.savez(path, time=0.004 * np.arange(300) * 1e3, pos=X)
+    np.testing.assert_allclose(read_recording(path).t, 0.004 * np.arange(300), rtol=1e-12)
+
+
+@pytest.mark.parametrize("unit", ["V", "kg"])
+def test_a_unit_of_another_kind_is_asked_for_its_scale(tmp_path: Path, unit: str) -> None:
+    path = written(tmp_path / "a.csv", f"t [s],x [{unit}]", T, X)
+    with pytest.raises(InputError, match=r"whose scale goes in place of 1. Try: "):
+        read_recording(path)
+    np.testing.assert_allclose(asked(path)["x"], X, rtol=1e-8)
+
+
+def test_a_page_of_the_web_is_no_table(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("<!DOCTYPE html>\n<html>404, no such file</html>\n")
+    with pytest.raises(InputError, match="a page of the web or XML"):
+        read_recording(path)

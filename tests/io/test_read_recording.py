@@ -171,8 +171,9 @@ def blank_line(lines: list[str]) -> None:
 
 PLAIN = headed("t,x")
 ANOTHER = "is a unit of another kind"
-VOLTS = """'V' is a unit of another kind (a voltage); expected a unit of length or angle such as m, mm, rad or deg \
-for x; a sensor's or a motor's own scale brings it, as "x=#2*0.01[m]" in --columns"""
+VOLTS = (
+    """column x: 'V' is a unit of another kind (a voltage), whose scale goes in place of 1. Try: --columns "t=t,x=1*"""
+)
 ANGLES = "angle, rate, duration\n90, 1000, 5\n" + "".join(f"{90.0 - i * i}\n" for i in range(60))
 REFUSED: dict[str, tuple[Any, ...]] = {
     "time and rate": (PLAIN, "--rate: given although a column", ReadOptions(rate=100.0)),

@@ -8,7 +8,7 @@ import numpy as np
 from harness.core.errors import InputError
 from harness.io.logs.raw import named
 from harness.io.logs.tables import time_of
-from harness.io.registry import kind_of, reader_of
+from harness.io.registry import kind_of, reader_for
 from harness.io.table import Held, Table, held, table_of_arrays
 
 _ACCEPTED = "text tables called by what they hold, such as q.csv, dq.csv and tau.csv"
@@ -55,7 +55,7 @@ def _clock(table: Table) -> int | None:
 
 
 def _opened(path: Path, skip_rows: int) -> Table:
-    reader = reader_of(kind_of(path))
+    reader = reader_for(path)
     if reader is None or not reader.text:
         raise InputError(f"--join {path}", f"the format {kind_of(path) or 'without a name'}", _ACCEPTED)
     return reader.open(path, skip_rows)

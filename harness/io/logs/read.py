@@ -23,7 +23,7 @@ from harness.io.logs.naming import renamed
 from harness.io.logs.raw import CHANNEL, SI_UNITS, Field, LogOptions, Raw, from_found, one_of
 from harness.io.logs.tables import raw_of, raw_of_file
 from harness.io.readers.binary import PARQUET
-from harness.io.registry import kind_of, reader_of
+from harness.io.registry import kind_of, reader_for
 from harness.io.times import GAP
 from harness.io.units import parse_unit
 
@@ -96,7 +96,7 @@ def _checked_source(path: Path, options: LogOptions, gain: Gain | None) -> Sourc
         for other in options.join:
             check_file(other)
         source = replace(source, files=(path, *options.join))
-    reader = reader_of(kind_of(path)) if source.kind == "table" else None
+    reader = reader_for(path) if source.kind == "table" else None
     unfit = {
         "--calibration": (options.calibration and source.kind == "bag", "tables and LeRobot data sets"),
         "--topic": (options.topic and source.kind == "table", "bags and LeRobot data sets"),
@@ -118,7 +118,7 @@ def raw_of_source(source: Source, options: LogOptions) -> Raw:
         return _of_bag(source, options)
     if source.kind == "mcap":
         return plain.chosen(path, options)
-    reader = reader_of(kind_of(path))
+    reader = reader_for(path)
     apart = "harness.io.logs.lerobot" if source.kind == "lerobot" else "harness.io.logs.tables"
     if source.kind == "table" and (reader is None or reader.text):
         for file in source.files:

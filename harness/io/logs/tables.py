@@ -13,7 +13,7 @@ from harness.core.errors import InputError
 from harness.io.choose import products
 from harness.io.columns import Mapping, meaning, parse_columns, quoted
 from harness.io.logs.raw import CHANNEL, FIELD_OF, SI_UNITS, WORDS, Field, Fields, LogOptions, Named, Raw, named
-from harness.io.registry import formats, kind_of, reader_of
+from harness.io.registry import formats, kind_of, reader_for
 from harness.io.table import Table
 from harness.io.times import since_first, whole_numbers
 from harness.io.units import Unit
@@ -130,7 +130,7 @@ def columns_of(path: Path, options: dict[str, Any]) -> Found:
 def raw_of_file(path: Path, options: LogOptions) -> Raw:
     """The log in a file of any format of tables. Raises InputError for what cannot be read as one."""
     kind = kind_of(path)
-    reader = reader_of(kind)
+    reader = reader_for(path)
     if reader is None:
         accepted = f"{formats()}, ROS bags (.bag, .db3, .mcap, a folder) and LeRobot data sets"
         raise InputError(str(path), f"the format {kind or 'without a name'}", accepted)

@@ -296,6 +296,8 @@ def _lines(path: Path, data: bytes | bytearray) -> bytes | bytearray:
         raise InputError(str(path), "binary content", "a text table in UTF-8, or in UTF-16 with its mark")
     if b"\r" in data:
         data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    if data[:_HEAD].lstrip(b"\xef\xbb\xbf \t\n")[:1] == b"<" and b">" in data[:_HEAD]:
+        raise InputError(str(path), "a page of the web or XML, and no table", "the file itself, as text")
     rows = data.count(b"\n")
     if rows > MOST_ROWS:
         raise InputError(str(path), f"{rows} lines", f"at most {MOST_ROWS}")
