@@ -109,7 +109,9 @@ class JointResult(Result):
     offset: P
     held_out_before: float | None = Field(description="rms torque of what was not fitted, by the base")
     held_out_after: float | None = Field(description="and by the model with everything named")
-    over_noise: float | None = Field(description="rms of what is left over that of the noise of torque and positions")
+    over_noise: float | None = Field(
+        description="rms of what is left, away from reversals, over that of the noise of torque and positions"
+    )
     guard_s: float | None = Field(description="skipped on each side of a reversal")
     samples: int = Field(description="that were fitted")
     curve: CurveResult | None = rare("null where too few speeds occur")

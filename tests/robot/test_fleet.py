@@ -109,6 +109,8 @@ def test_the_command_compares_logs_of_an_arm(tmp_path: Path, capsys: pytest.Capt
     assert 0.02 < slow["between"] / slow["mean"]["value"] < 0.06
     assert {joint for (joint, _), row in rows.items() if row["differs"]} == {"elbow"}
     assert [log["conditions"] for log in data["logs"]] == [{"day": 1.0}, {"day": 2.0}, {"day": 9.0}]
+    verdicts = [json.loads((out / f"log{i}" / "result.json").read_text())["verdict"] for i in range(3)]
+    assert verdicts == ["adequate"] * 3
     page = (out / "index.html").read_text()
     assert "Joints over logs" in page
     stamps = [(out / f"log{i}" / "result.json").stat().st_mtime_ns for i in range(3)]

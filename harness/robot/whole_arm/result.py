@@ -68,10 +68,10 @@ class JointFriction:
 
     coulomb, viscous, offset : N m, N m s/rad, N m of a hinge, N, N s/m, N of a slide. effects : the surest first.
     held_out : rms of the torque left over in blocks of time that were not fitted, by the base and by the model, N m.
-    remainder : rms of what the model leaves over that of the noise of torque and positions, None where the torque shows
-    none. guard : s. samples : guarded. base : Coulomb, viscous and offset with nothing else in the model. left : the
-    torque itself. curve : friction over speed, None where too few speeds occur. All are None where the joint hardly
-    moves.
+    remainder : rms of what the model leaves where no reversal reaches through the filter, over that of the noise of
+    torque and positions, None where the torque shows none. guard : s. samples : guarded. base : Coulomb, viscous and
+    offset with nothing else in the model. left : the torque itself. curve : friction over speed, None where too few
+    speeds occur. All are None where the joint hardly moves.
     """
 
     joint: str

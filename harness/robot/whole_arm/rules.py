@@ -114,6 +114,14 @@ GUARD = Rule(
     " Coulomb friction moves by less than its error",
     "40 ms at 15 Hz: with it Coulomb friction of a log without noise is right to 0.2 %, without it 3 to 10 % too small",
 )
+REACH = Rule(
+    "filter-reach",
+    1.6,
+    "1/f_lowpass",
+    "what is left of a joint is held against its noise at samples no nearer to a reversal, where there are enough",
+    "derivation: the slowest pole of the filter, 2 pi sin(pi/8) f_lowpass, has by then died to 2 %; what a joint does"
+    " at rest, which no law says, is nearer many times the noise of a quiet log",
+)
 SURE = Rule(
     "sure-speed",
     4.0,

@@ -41,7 +41,9 @@ from harness.robot.whole_arm.perturb import with_load, without_armature
 from harness.robot.whole_arm.result import Entry, Grade, JointFriction, Left, WholeArm
 from harness.robot.whole_arm.rules import (
     EXPLAINED,
+    LEAST_SAMPLES,
     MAIN,
+    REACH,
     RIVAL,
     RULES,
     SAID_BETTER,
@@ -206,7 +208,9 @@ class _Told:
         kept = design.parts[j].stretches.kept
         # a record that was smoothed shows no noise
         smoothed = filtered.torque_noise[j] < UNSMOOTHED.value * math.sqrt(float(np.mean(filtered.torque[:, j] ** 2)))
-        left = math.sqrt(float(np.mean(design.left(j)[kept] ** 2)))
+        far = kept & filtered.away(j, REACH.value / filtered.band.lowpass)
+        sliding = far if np.sum(far) >= LEAST_SAMPLES.value else kept
+        left = math.sqrt(float(np.mean(design.left(j)[sliding] ** 2)))
         remainder = None if smoothed else left / float(self.solved.problem.noise[j])
         unit = self._unit(name, "N m")
         better = f", {after:.3g} {unit} with the effects found" if after < SAID_BETTER.value * before else ""
