@@ -146,6 +146,9 @@ def _grown(
             break
         chosen = kept
         path.append(kept)
+        if ground is not base and not _pushes(kept, problem, scales):
+            # grown again without the push, whatever else there is
+            break
     return chosen, singles, rivals, path
 
 
