@@ -48,6 +48,36 @@ class Smooth:
     half: IntArray
 
 
+def _factored(moments: FloatArray, count: int, lower: FloatArray, pivots: FloatArray) -> None:
+    """L (4, 4) and D (4,) of the first ``count`` rows of a cubic's normal matrix, moments[k + m] in row k, column m."""
+    for k in range(count):
+        for m in range(k + 1):
+            left = moments[k + m]
+            for i in range(m):
+                left -= lower[k, i] * lower[m, i] * pivots[i]
+            if m < k:
+                lower[k, m] = left / pivots[m]
+            else:
+                pivots[k] = left
+
+
+_compiled_factored = compiled(_factored)
+
+
+def _solved(lower: FloatArray, pivots: FloatArray, count: int, b: FloatArray) -> None:
+    """b (4,) becomes the solution x of L D L^T x = b."""
+    for k in range(count):
+        for m in range(k):
+            b[k] -= lower[k, m] * b[m]
+    for k in range(count - 1, -1, -1):
+        b[k] /= pivots[k]
+        for m in range(k + 1, count):
+            b[k] -= lower[m, k] * b[m]
+
+
+_compiled_solved = compiled(_solved)
+
+
 def _local(
     t: FloatArray, y: FloatArray, first: IntArray, last: IntArray, at: IntArray, half: IntArray, out: FloatArray
 ) -> None:
@@ -55,8 +85,8 @@ def _local(
 
     out (m, 6) : value, slope, second derivative, variances of the first two in units of the noise's, mean square left.
     """
-    normal, inverse = np.empty((4, 4)), np.empty((4, 4))
-    right, row = np.empty(4), np.empty(4)
+    moments, lower, pivots = np.empty(7), np.empty((4, 4)), np.empty(4)
+    c, by_value, by_slope = np.empty(4), np.empty(4), np.empty(4)
     for j in range(at.size):
         i = at[j]
         reach = half[i]
@@ -64,30 +94,29 @@ def _local(
         # a full width at the ends too, off centre
         lo, hi = max(min(lo, hi - 2 * reach - 1), first[i]), min(max(hi, lo + 2 * reach + 1), last[i])
         width = max(t[hi - 1] - t[i], t[i] - t[lo])
+        rate = 1.0 / width if width > 0.0 else 0.0
         count = min(4, hi - lo)
-        normal[:], right[:] = 0.0, 0.0
+        moments[:], c[:], by_value[:], by_slope[:] = 0.0, 0.0, 0.0, 0.0
+        by_value[0] = by_slope[1] = 1.0
         for n in range(lo, hi):
-            s = (t[n] - t[i]) / width if width > 0.0 else 0.0
-            row[0] = 1.0
-            for k in range(1, 4):
-                row[k] = row[k - 1] * s
-            for k in range(count):
-                right[k] += row[k] * (y[n] - y[i])
-                for m in range(count):
-                    normal[k, m] += row[k] * row[m]
-        for k in range(count, 4):
-            normal[k, k] = 1.0
-        inverse[:] = np.linalg.inv(normal)
-        c = inverse @ right
+            s, power = rate * (t[n] - t[i]), 1.0
+            for k in range(7):
+                moments[k] += power
+                if k < count:
+                    c[k] += power * (y[n] - y[i])
+                power *= s
+        _compiled_factored(moments, count, lower, pivots)
+        for b in (c, by_value, by_slope):
+            _compiled_solved(lower, pivots, count, b)
         left = 0.0
         for n in range(lo, hi):
-            s = (t[n] - t[i]) / width if width > 0.0 else 0.0
+            s = rate * (t[n] - t[i])
             left += (y[n] - y[i] - c[0] - s * (c[1] + s * (c[2] + s * c[3]))) ** 2
         out[j, 0] = y[i] + c[0]
-        out[j, 1] = c[1] / width if width > 0.0 else 0.0
-        out[j, 2] = 2.0 * c[2] / width**2 if width > 0.0 else 0.0
-        out[j, 3] = inverse[0, 0]
-        out[j, 4] = inverse[1, 1] / width**2 if width > 0.0 else 0.0
+        out[j, 1] = c[1] * rate
+        out[j, 2] = 2.0 * c[2] * rate**2
+        out[j, 3] = by_value[0]
+        out[j, 4] = by_slope[1] * rate**2
         out[j, 5] = left / max(hi - lo - count, 1)
 
 
