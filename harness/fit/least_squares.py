@@ -20,6 +20,8 @@ _FIRST, _LEAST = 1e-3, 1e-12
 _KEPT_MOST, _KEPT_SOME = 0.75, 0.25
 """Shares of the promised fall from which a step was a good one, and from which it was a fair one."""
 _AFTER_GOOD, _AFTER_FAIR, _AFTER_POOR, _AFTER_REFUSED, _AFTER_SINGULAR = 0.1, 0.5, 2.0, 6.0, 10.0
+_SAME = 0.1
+"""Of a step that was refused: one that differs by less is not evaluated anew."""
 _REFUSALS = 12
 """Steps refused one after another: the damping has then grown two billion times."""
 
@@ -130,13 +132,20 @@ def least_squares(
         moving = ~bounds.held(at, pull)
         enough = until.gain + until.share * point.squares
         refused = failed = 0
+        aim, trial = at, None
         better: P | None = None
         while better is None and refused < _REFUSALS:
             step = _step(normal, pull, moving, damping)
             promised = 0.0 if step is None else float(2.0 * step @ pull - step @ normal @ step)
             if step is not None and promised <= enough:
                 break
-            trial = None if step is None else _tried(evaluate, bounds.moved(at, step / scale))
+            if step is not None:
+                before, aim = aim, bounds.moved(at, step / scale)
+                # damping far below the curvature leaves a step as it is: what was refused is refused again
+                if _far(aim - before, scale) >= _SAME * _far(before - at, scale):
+                    trial = _tried(evaluate, aim)
+                else:
+                    aim = before
             if trial is not None and trial[1].squares < point.squares:
                 gained = point.squares - trial[1].squares
                 (at, better) = trial
@@ -165,6 +174,11 @@ def _step(normal: FloatArray, pull: FloatArray, moving: BoolArray, damping: floa
     except np.linalg.LinAlgError:
         return None
     return step if np.isfinite(step).all() else None
+
+
+def _far(move: FloatArray, scale: FloatArray) -> float:
+    """Length of a move (q,) of coordinates in units of their scale."""
+    return float(np.linalg.norm(move * scale))
 
 
 def _tried(evaluate: Callable[[FloatArray], P], at: FloatArray) -> tuple[FloatArray, P] | None:

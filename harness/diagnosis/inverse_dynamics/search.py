@@ -11,7 +11,7 @@ What is left of the force is told place by place and speed by speed, wherever a 
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
@@ -20,7 +20,7 @@ import numpy as np
 
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.base_fit import driven_scales
-from harness.diagnosis.fit.model_fit import Fit, fit
+from harness.diagnosis.fit.model_fit import HASTY, Fit, fit
 from harness.diagnosis.fit.rmse import motion_followed
 from harness.diagnosis.fit.standard_errors import leading, unit_of
 from harness.diagnosis.inverse_dynamics.force_screen import starts, whole_in
@@ -45,6 +45,8 @@ _PUSH = next(term for term in NAMED if term.push is not None and len(term.parame
 """The term that does nothing but push."""
 _LOOKED_AT = 5
 """Names that are extended by a further one."""
+_FIRST_STEPS, _GO_ON = 3, 2
+"""Steps after which of many starts of a law the best go on, and how many: most come to the same place."""
 
 
 def force_baseline(problem: InverseDynamics) -> tuple[Fit, Scales]:
@@ -237,12 +239,36 @@ def extended(current: Fit, problem: InverseDynamics, scales: Scales) -> list[Fit
 
 def with_one_more(scales: Scales, current: Fit, problem: InverseDynamics, share: float = 0.0) -> Iterator[Fit]:
     """Fits with one more law, each from its best probes. share : that a step must gain; 0 for a thorough fit."""
-    base = base_of(current.free)
-    for model in starts(current, problem, scales):
-        with suppress(SimulationError):
-            found = fit(model, problem, free_of(model, base), scales, thorough=share == 0.0, share=share)
-            if whole_in(found.model, problem.measured):
-                yield found
+    for law in _by_law(starts(current, problem, scales)):
+        for model in _begun(law, current, problem, scales):
+            for found in _fitted(model, current, problem, scales, share):
+                if whole_in(found.model, problem.measured):
+                    yield found
+
+
+def _begun(law: list[Model], current: Fit, problem: InverseDynamics, scales: Scales) -> list[Model]:
+    """Starts of a law that go on: of many those that a few steps have brought furthest down."""
+    if len(law) <= _GO_ON:
+        return law
+    begun = (f for model in law for f in _fitted(model, current, problem, scales, HASTY, _FIRST_STEPS))
+    return [f.model for f in sorted(begun, key=lambda f: f.chi2)[:_GO_ON]]
+
+
+def _by_law(models: Iterable[Model]) -> Iterable[list[Model]]:
+    """Models by the law that each has last."""
+    laws: dict[str, list[Model]] = {}
+    for model in models:
+        laws.setdefault(model.terms[-1].term.key, []).append(model)
+    return laws.values()
+
+
+def _fitted(
+    model: Model, current: Fit, problem: InverseDynamics, scales: Scales, share: float, steps: int = 40
+) -> Iterator[Fit]:
+    """The fit of a model with one law more, where it can be made."""
+    with suppress(SimulationError):
+        free = free_of(model, base_of(current.free))
+        yield fit(model, problem, free, scales, steps, thorough=share == 0.0, share=share)
 
 
 def left_said(problem: Problem, drive: Drive, independent: int, over: LeftOver) -> str:
