@@ -28,11 +28,12 @@ PAGES = (
     "robot-servo.md",
     "verdicts.md",
     "own-engine.md",
+    "tune.md",
 )
 GIVEN = (DOCS / "example" / "rig.csv", DOCS.parent / "models" / "arm" / "arm.xml")
 _BLOCK = re.compile(r"(?<=^```console\n)\$ .*?(?=^```$)", re.MULTILINE | re.DOTALL)
 _FILE = re.compile(r"^`(\S+\.\w+)`:\n\n```\w+\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-_ELSEWHERE = re.compile(r"^(report|trajectory): |\bit costs ")
+_ELSEWHERE = re.compile(r"^(report|trajectory): |^what was found costs ")
 """Lines of paths, and of times that are another machine's."""
 _WIDTH = 110
 

@@ -86,6 +86,7 @@ def here(call: list[str], cwd: Path, env: dict[str, str], **given: Any) -> "subp
                 "robot-servo",
                 "verdicts",
                 "own-engine",
+                "tune",
             )
         ),
     ],

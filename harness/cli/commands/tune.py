@@ -50,7 +50,8 @@ def command(
         raise InputError("--max-cost", "given with --meet", "one of them: --meet searches the cheapest")
     if len(engine) > 1 and (robot is not None or not meet):
         what = "--robot" if robot is not None else "no --meet"
-        raise InputError("ENGINE", f"several, given with {what}", "one engine, or several with --meet alone")
+        line = f'harness tune {" ".join(engine)} --meet "creep<0.01mm/s"'
+        raise InputError("ENGINE", f"several, given with {what}", f"try: {line}")
     with to.told() as progress:
         from harness.app.sweep.tune import cheapest, goal, tune, tune_joint
 
@@ -93,6 +94,6 @@ def _print(result: "TuneResult") -> None:
     where = "on sliders not searched on" if result.robot is None else "in poses not searched in"
     say(
         f"score {where}: {result.score_before:.3g} {before}, {result.score_after:.3g} found,"
-        f" {result.score_preset:.3g} with the preset tuned; it costs {result.cost:.2f} times what ships"
-        f" ({result.searched} settings scored)"
+        f" {result.score_preset:.3g} with the preset tuned ({result.searched} settings scored)"
     )
+    say(f"what was found costs {result.cost:.2f} times the wall time of what ships")
