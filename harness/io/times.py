@@ -223,7 +223,8 @@ def evened(t: FloatArray, y: FloatArray) -> tuple[FloatArray, str | None]:
     about = count - count.mean()
     interval = float(about @ t) / float(about @ about)
     even = t.mean() + interval * about
-    if np.ptp(t - even) > (1.0 + _WHOLE) * tick or roughness(even, y) > roughness(t, y):
+    off = float(np.ptp(t - even)) / tick
+    if not _WHOLE < off <= 1.0 + _WHOLE or roughness(even, y) > roughness(t, y):
         return t, None
     said = (
         f"Stamps are rounded to {tick * 1e3:.3g} ms: the even clock of {1.0 / interval:.6g} Hz is taken in their place."

@@ -261,6 +261,13 @@ def test_stamps_rounded_to_ms_are_those_of_an_even_clock(tmp_path: Path, rate: f
     assert np.diff(kept.t)[49] == pytest.approx(3.0 / rate, rel=1e-4)
 
 
+def test_an_even_clock_that_lacks_samples_is_not_rounded(tmp_path: Path) -> None:
+    t = np.delete(0.004 * np.arange(400), [50, 51, 200])
+    found = recorded(tmp_path / "a.csv", t, t)
+    np.testing.assert_allclose(found.t, t, rtol=0.0, atol=1e-12)
+    assert not found.mended
+
+
 def test_whole_ms_at_which_a_scheduler_sampled_stay(tmp_path: Path) -> None:
     t = np.round(np.arange(400) / 60.0, 3)
     found = recorded(tmp_path / "a.csv", t, t)
