@@ -169,9 +169,13 @@ class Stamps:
         best = max(_RATIOS, key=likelihood)
         if likelihood(best) - likelihood(0.0) <= DECISIVE:
             return none
-        late = variance(best) * best * slope**2 / fastest
+        jitter = math.sqrt(variance(best) * best / fastest)
+        if jitter > float(np.median(np.diff(t))) / math.sqrt(12.0):
+            # a sample is taken within its own step: what is larger is no stamp's
+            return none
+        late = jitter**2 * slope**2
         rest = max(noise.sigma**2 - float(np.mean(late)), variance(best))
-        return cls(np.sqrt((rest + late) / float(np.mean(rest + late))), math.sqrt(variance(best) * best / fastest))
+        return cls(np.sqrt((rest + late) / float(np.mean(rest + late))), jitter)
 
 
 def quantisation_step(y: FloatArray) -> float:

@@ -67,7 +67,7 @@ def chosen(table: Table, options: ReadOptions) -> Chosen:
     if not set(mappings) & {"x", "v", "a"}:
         hint = "columns named t and one or more of x, v, a, or a choice of them by --columns"
         counted = next((table.headers[i] for i, unit in table.units.items() if STEPS.match(unit)), None)
-        what = f"the columns {table.listed()}" + ("" if counted is None else f"; {counted} is what a sensor counts")
+        what = f"no position, speed or acceleration among the columns {table.listed()}" + ("" if counted is None else f"; {counted} is what a sensor counts")
         if columns is None and _nameless(table):
             what = f"{table.columns([0])[0].size} rows, too few for a motion, and no names that say a friction curve"
         raise RefusedError(str(table.path), what, hint, _others(table, options))

@@ -62,7 +62,7 @@ class FreeDecays(Kind[FreeDecay]):
         if zeroed is not None:
             based, scales = zeroed, zeroed.scales
             found = search(based.problem, based.fit, scales)
-            notes = ("zero offset fitted as well: the refined model needs it, the base model does not",)
+            notes = ("zero offset fitted as well: on a spring a steady push and a zero offset are one",)
         over = over_by(found.chosen, found.problem, scales) if found.explained else None
         free = after_hand(found.problem, scales, over) if over is not None or not found.explained else None
         if free is not None:
