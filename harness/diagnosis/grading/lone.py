@@ -7,7 +7,6 @@ from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.rules import (
     CLOCK_DRIFT,
     DECISIVE,
-    EVEN,
     LEAST_CYCLES,
     LEAST_RATIO,
     MARGIN,
@@ -15,6 +14,7 @@ from harness.diagnosis.rules import (
     TIMES_NEXT,
     Rule,
 )
+from harness.diagnosis.search.against import among_names
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search
 from harness.model.model import ModelTerm
@@ -25,8 +25,7 @@ from harness.model.terms import clock_drift
 def undecided(found: Search) -> tuple[Rule, ...]:
     """The rules by which the chosen lone law is listed and not named, none where it is named.
 
-    Another law that explains the recording as well is listed beside it; of a table of held speeds, where a law has no
-    phase to err in, one that is not so many times less likely as beside a main effect. Where the zero and the spring
+    Another law that is not so many times less likely as beside a main effect is listed beside it. Where the zero and the spring
     are not known before, as on a machine, a crowd of small effects can look like one law: it is then named by what
     names a main effect, that is with enough cycles, a misfit to speak of, and no other law near.
     """
@@ -35,11 +34,9 @@ def undecided(found: Search) -> tuple[Rule, ...]:
     if any(f.bic < found.chosen.bic + DECISIVE.value for f in _others(found) if key_of(f) == (clock_drift.TERM.name,)):
         # nothing but the size of one channel parts the two, and whose clock it is, is not known
         return (CLOCK_DRIFT,)
-    if not found.problem.moves:
+    if not found.problem.moves or not found.problem.zero_free:
         margin = 2.0 * math.log(TIMES_NEXT.value)
-        return (TIMES_NEXT,) if any(f.bic < found.chosen.bic + margin for f in _others(found)) else ()
-    if not found.problem.zero_free:
-        return (EVEN,) if any(f.bic < found.chosen.bic + EVEN.value for f in _others(found)) else ()
+        return (TIMES_NEXT,) if any(_behind(f, found) < margin for f in _others(found)) else ()
     taken = 1.0 - found.chosen.chi2 / found.base.chi2
     fails = {
         LEAST_CYCLES: few_words(found.base, found.chosen, found.problem),
@@ -87,7 +84,7 @@ def stand_ins(found: Search, entry: ModelTerm) -> list[tuple[str, Fit]]:
         if len(names) != 1 or names[0] == entry.term.name:
             continue
         alike = decay and rival.chi2 < LEAST_RATIO.value * found.chosen.chi2 and not_parted(entry.term.name, names[0])
-        if rival.bic - found.chosen.bic < DECISIVE.value or alike or any(rival is one for one in unparted):
+        if _behind(rival, found) < DECISIVE.value or alike or any(rival is one for one in unparted):
             listed.append((names[0], rival))
     return listed
 
@@ -96,6 +93,11 @@ def next_best(found: Search) -> list[tuple[str, Fit]]:
     """The lone law of another name that leaves least against it, where there is one."""
     others = sorted(_others(found), key=lambda f: f.bic)
     return [(key_of(f)[0], f) for f in others[:1]]
+
+
+def _behind(other: Fit, found: Search) -> float:
+    """By how much less the recording speaks for a law than for the chosen one."""
+    return among_names(other, found.problem) - among_names(found.chosen, found.problem)
 
 
 def _lone(found: Search) -> bool:

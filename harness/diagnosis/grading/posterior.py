@@ -16,7 +16,7 @@ from harness.diagnosis.outcome import Hypothesis
 from harness.diagnosis.residual_tests.free_curve import UNNAMED, evidence_of_curve
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import NAMES
-from harness.diagnosis.search.against import against
+from harness.diagnosis.search.against import against, among_names
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search
 
@@ -86,7 +86,9 @@ def _gain(found: Search) -> Callable[[Fit], float]:
         words = float(problem.points - len(base.free))
         return lambda one: evidence(base.chi2, one.chi2, words, len(one.free) - len(base.free), 1.0)
     # several amplitudes part a law from what small effects could do in its place
-    if found.by_force or not problem.zero_free or problem.parts_amplitude_from_time:
+    if found.by_force:
         return lambda one: against(base, problem) - against(one, problem)
+    if not problem.zero_free or problem.parts_amplitude_from_time:
+        return lambda one: against(base, problem) - among_names(one, problem)
     words = words_beside(base, strokes_of(found.chosen, problem))
     return lambda one: evidence(base.chi2, one.chi2, words, len(one.free) - len(base.free), 1.0)

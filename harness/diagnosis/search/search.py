@@ -23,7 +23,7 @@ from harness.diagnosis.parameters import base_of, free_of
 from harness.diagnosis.problem import P, Problem
 from harness.diagnosis.residual_tests.structure import Left, left_by, structure
 from harness.diagnosis.rules import AMONG_NAMES, COLOUR_ALONE, DECISIVE, MOST_TERMS, SECOND_TERM
-from harness.diagnosis.search.against import against, in_turn, taken_by_two
+from harness.diagnosis.search.against import against, among_names, in_turn, taken_by_two
 from harness.diagnosis.search.extend import Step, extend, key_of, pair_up, prune, settle
 from harness.diagnosis.search.look import Look
 from harness.diagnosis.search.screen import applicable
@@ -216,6 +216,8 @@ def _search(problem: P, base: Fit, scales: Scales, renew: Renew[P], alone: Step)
         chosen, rivals = _simplest(found, under(chosen, problem), second, problem), found
         left = left_by(chosen, problem, scales.omega, base)
         beam = list(found[:2])
+    if len(chosen.model.terms) == 1 and left is Left.NOISE and problem.moves:
+        rivals = _in_their_best_form(chosen, rivals, problem, scales)
     # beside a push, which is the same either way, the form of a law of friction is found as it is alone
     pushed = any(entry.term.push is not None for entry in chosen.model.terms)
     if left is Left.STRUCTURE and pushed and not problem.moves and len(chosen.model.terms) == 2:
@@ -246,6 +248,19 @@ def _with_free_form(
     names = {key_of(f) for f in noise}
     both = in_turn((*noise, *(f for f in singles if key_of(f) not in names)), problem)
     return both[0], both, Left.NOISE
+
+
+def _in_their_best_form(chosen: Fit, rivals: tuple[Fit, ...], problem: Problem, scales: Scales) -> tuple[Fit, ...]:
+    """Rivals of a lone law, the nearest of another name in the form that fits: which mechanism it is, no formula says."""
+    own = key_of(chosen)
+    nearest = [f for f in in_turn(rivals, problem) if f.model.terms and key_of(f) != own][:_FREED]
+
+    def best(one: Fit) -> Fit:
+        if not any(one is other for other in nearest):
+            return one
+        return min((one, *forms(one, problem, scales)), key=lambda f: among_names(f, problem))
+
+    return in_turn([best(one) for one in rivals], problem)
 
 
 def less_each(chosen: Fit, fitted: Sequence[Fit | None], searched: Sequence[Fit]) -> tuple[Fit | None, ...]:
