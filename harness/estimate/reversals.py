@@ -16,6 +16,8 @@ from harness.estimate.noise import Noise
 MINIMUM_HALF_CYCLES = 3
 _QUIET = 2e-3
 """Crossings with less than this share of the largest swing are not followed."""
+_STILL = 0.1
+"""Share of the largest swing after a crossing below which the one before it is no half-cycle: a decay's is larger."""
 _POINTS = 6
 """Fewest samples a half-cycle is fitted with."""
 
@@ -117,8 +119,16 @@ def _crossings(t: FloatArray, g: FloatArray, level: float) -> FloatArray:
     return np.array(times)
 
 
-def _train(times: FloatArray, period: float) -> slice:
-    """The longest run of crossings that follow each other like half-cycles do."""
+def _swing(t: FloatArray, g: FloatArray, begin: float, end: float) -> float:
+    """Largest value of g (n,) between two times, whatever its sign."""
+    return float(np.max(np.abs(g[(t >= begin) & (t <= end)]), initial=0.0))
+
+
+def _train(times: FloatArray, period: float, t: FloatArray, g: FloatArray) -> slice:
+    """The run of crossings of g (n,) that follow each other like half-cycles do in which it swings most, all together.
+
+    What trembles before a release and after a rest may cross as often.
+    """
     gaps = np.diff(times)
     if gaps.size == 0:
         return slice(0, times.size)
@@ -129,7 +139,8 @@ def _train(times: FloatArray, period: float) -> slice:
     if edges.size == 0:
         return slice(0, 0)
     runs = edges.reshape(-1, 2)
-    begin, end = runs[int(np.argmax(runs[:, 1] - runs[:, 0]))]
+    most = [_swing(t, g, a, b) for a, b in zip(times[:-1], times[1:], strict=True)]
+    begin, end = max(runs, key=lambda run: sum(most[run[0] : run[1]]))
     return slice(int(begin), int(end) + 1)
 
 
@@ -156,12 +167,15 @@ def find_half_cycles(t: FloatArray, y: FloatArray, kind: Kind, noise: Noise) -> 
         sigma *= np.sqrt(2.0) / (2 * reach * interval)
     level = max(3.5 * sigma, _QUIET * float(np.abs(g).max()))
     times = _crossings(grid, g, level)
-    times = times[_train(times, period)]
+    times = times[_train(times, period, grid, g)]
     if times.size < 2:
         raise NoDecay(f"{times.size} regular reversal{'' if times.size == 1 else 's'} found: no free decay")
     half = float(np.median(np.diff(times)))
     if half < _POINTS * interval:
         raise NoDecay(f"only {half / interval:.1f} samples a half-cycle, at least {_POINTS} are needed")
+    while times.size > 2 and _swing(grid, g, times[0] - half, times[0]) < _STILL * _swing(grid, g, times[0], times[-1]):
+        # a hand that holds it trembles
+        times = times[1:]
 
     # swing of the smoothed channel about each crossing: it must not grow
     swing = np.array([np.abs(g[(grid > z - 0.55 * half) & (grid < z + 0.55 * half)]).max() for z in times])
