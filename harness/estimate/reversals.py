@@ -6,6 +6,7 @@ good to a few samples here; the fit that follows makes them sub-sample (harness.
 
 from dataclasses import dataclass
 from enum import IntEnum
+from itertools import pairwise
 
 import numpy as np
 
@@ -139,7 +140,7 @@ def _train(times: FloatArray, period: float, t: FloatArray, g: FloatArray) -> sl
     if edges.size == 0:
         return slice(0, 0)
     runs = edges.reshape(-1, 2)
-    most = [_swing(t, g, a, b) for a, b in zip(times[:-1], times[1:], strict=True)]
+    most = [_swing(t, g, a, b) for a, b in pairwise(times)]
     begin, end = max(runs, key=lambda run: sum(most[run[0] : run[1]]))
     return slice(int(begin), int(end) + 1)
 

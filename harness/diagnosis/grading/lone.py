@@ -7,6 +7,7 @@ from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.rules import (
     CLOCK_DRIFT,
     DECISIVE,
+    EVEN,
     LEAST_CYCLES,
     LEAST_RATIO,
     MARGIN,
@@ -25,7 +26,8 @@ from harness.model.terms import clock_drift
 def undecided(found: Search) -> tuple[Rule, ...]:
     """The rules by which the chosen lone law is listed and not named, none where it is named.
 
-    Another law that is not so many times less likely as beside a main effect is listed beside it. Where the zero and the spring
+    Another law that explains the recording as well is listed beside it; of a table of held speeds, where a law has no
+    phase to err in, one that is not so many times less likely as beside a main effect. Where the zero and the spring
     are not known before, as on a machine, a crowd of small effects can look like one law: it is then named by what
     names a main effect, that is with enough cycles, a misfit to speak of, and no other law near.
     """
@@ -34,9 +36,11 @@ def undecided(found: Search) -> tuple[Rule, ...]:
     if any(f.bic < found.chosen.bic + DECISIVE.value for f in _others(found) if key_of(f) == (clock_drift.TERM.name,)):
         # nothing but the size of one channel parts the two, and whose clock it is, is not known
         return (CLOCK_DRIFT,)
-    if not found.problem.moves or not found.problem.zero_free:
+    if not found.problem.moves:
         margin = 2.0 * math.log(TIMES_NEXT.value)
-        return (TIMES_NEXT,) if any(_behind(f, found) < margin for f in _others(found)) else ()
+        return (TIMES_NEXT,) if any(f.bic < found.chosen.bic + margin for f in _others(found)) else ()
+    if not found.problem.zero_free:
+        return (EVEN,) if any(_behind(f, found) < EVEN.value for f in _others(found)) else ()
     taken = 1.0 - found.chosen.chi2 / found.base.chi2
     fails = {
         LEAST_CYCLES: few_words(found.base, found.chosen, found.problem),

@@ -21,17 +21,33 @@ from harness.model.term import Term
 
 _WIDE = math.log(100.0)
 """Logarithm of how far apart a speed, a length or a time that shapes a law may be before it is seen."""
+_BRIEF = 1e-6
+"""Share of a recording that a moment is never told more exactly than."""
 
 
 def against(found: Fit, problem: Problem) -> float:
-    """BIC; beside a force whose noise moves reversals a sample far out is far out, and no further.
+    """BIC, and what a moment costs beyond it; beside a force whose noise moves reversals a sample is no further out
+    than far.
 
     Such noise puts single samples on the other side of a jump of the acceleration, and whatever law moves that reversal
     puts them back. What it may leave (``Problem.spare``) is drawn with the same bound.
     """
-    if problem.spare <= 0.0:
-        return found.bic
-    return found.bic - far_out(found)
+    size = found.bic + _scanned(found, problem.duration)
+    return size if problem.spare <= 0.0 else size - far_out(found)
+
+
+def _scanned(found: Fit, span: float) -> float:
+    """What BIC asks too little for a moment that was looked for all along a recording of ``span``, s, at least 0.
+
+    Chance has as many tries as there are moments that can be told apart.
+    """
+    terms = found.model.terms
+    at = [isinstance(n.by, tuple) and terms[n.by[0]].term.parameters[n.by[1]].moment for n in found.free]
+    if not any(at):
+        return 0.0
+    after = math.sqrt(2.0 * math.pi) * np.sqrt(np.diag(found.covariance())[at])
+    tries = 2.0 * np.log(np.maximum(span / np.maximum(after, _BRIEF * span), 1.0))
+    return float(np.sum(np.maximum(tries - _full(found), 0.0)))
 
 
 def far_out(found: Fit) -> float:
@@ -51,7 +67,7 @@ def among_names(found: Fit, problem: Problem) -> float:
 
 def untold(found: Fit) -> float:
     """What BIC takes too much for numbers that shape laws, at least 0."""
-    full, errors, spare = math.log(max(found.points, 2)), np.sqrt(np.diag(found.covariance())), 0.0
+    full, errors, spare = _full(found), np.sqrt(np.diag(found.covariance())), 0.0
     for number, value, error in zip(found.free, found.values, errors, strict=True):
         if not isinstance(number.by, tuple):
             continue
@@ -61,6 +77,11 @@ def untold(found: Fit) -> float:
             after = math.sqrt(2.0 * math.pi) * error / (value if law.parameters[which].positive else 1.0)
             spare += max(full - 2.0 * math.log(max(width / after, 1.0)), 0.0)
     return spare
+
+
+def _full(found: Fit) -> float:
+    """What BIC asks for one number."""
+    return math.log(max(found.points, 2))
 
 
 def _width(law: Term, which: int) -> float:

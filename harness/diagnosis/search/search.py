@@ -216,8 +216,7 @@ def _search(problem: P, base: Fit, scales: Scales, renew: Renew[P], alone: Step)
         chosen, rivals = _simplest(found, under(chosen, problem), second, problem), found
         left = left_by(chosen, problem, scales.omega, base)
         beam = list(found[:2])
-    if len(chosen.model.terms) == 1 and left is Left.NOISE and problem.moves:
-        rivals = _in_their_best_form(chosen, rivals, problem, scales)
+    rivals = _in_their_best_form(chosen, rivals, problem, scales) if left is Left.NOISE else rivals
     # beside a push, which is the same either way, the form of a law of friction is found as it is alone
     pushed = any(entry.term.push is not None for entry in chosen.model.terms)
     if left is Left.STRUCTURE and pushed and not problem.moves and len(chosen.model.terms) == 2:
@@ -251,7 +250,9 @@ def _with_free_form(
 
 
 def _in_their_best_form(chosen: Fit, rivals: tuple[Fit, ...], problem: Problem, scales: Scales) -> tuple[Fit, ...]:
-    """Rivals of a lone law, the nearest of another name in the form that fits: which mechanism it is, no formula says."""
+    """Rivals of a lone law, the nearest of other names in the form that fits: a formula does not say which it is."""
+    if len(chosen.model.terms) != 1 or not problem.moves:
+        return rivals
     own = key_of(chosen)
     nearest = [f for f in in_turn(rivals, problem) if f.model.terms and key_of(f) != own][:_FREED]
 
