@@ -68,12 +68,14 @@ def among_names(found: Fit, problem: Problem) -> float:
 def untold(found: Fit) -> float:
     """What BIC takes too much for numbers that shape laws, at least 0."""
     full, errors, spare = _full(found), np.sqrt(np.diag(found.covariance())), 0.0
+    # a speed or a length that the motion does not come to shapes nothing: there a law is another one's limit
+    reach = {"m": float(np.max(np.abs(found.shown.x))), "m/s": float(np.max(np.abs(found.shown.v)))}
     for number, value, error in zip(found.free, found.values, errors, strict=True):
         if not isinstance(number.by, tuple):
             continue
         law, which = found.model.terms[number.by[0]].term, number.by[1]
         width = _width(law, which)
-        if width > 0.0 and error > 0.0:
+        if width > 0.0 and error > 0.0 and value <= reach.get(law.parameters[which].unit, math.inf):
             after = math.sqrt(2.0 * math.pi) * error / (value if law.parameters[which].positive else 1.0)
             spare += max(full - 2.0 * math.log(max(width / after, 1.0)), 0.0)
     return spare
