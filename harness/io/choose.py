@@ -66,8 +66,10 @@ def chosen(table: Table, options: ReadOptions) -> Chosen:
     mappings = found.mappings
     if not set(mappings) & {"x", "v", "a"}:
         hint = "columns named t and one or more of x, v, a, or a choice of them by --columns"
+        what = f"no position, speed or acceleration among the columns {table.listed()}"
         counted = next((table.headers[i] for i, unit in table.units.items() if STEPS.match(unit)), None)
-        what = f"no position, speed or acceleration among the columns {table.listed()}" + ("" if counted is None else f"; {counted} is what a sensor counts")
+        if counted is not None:
+            what = f"{what}; {counted} is what a sensor counts"
         if columns is None and _nameless(table):
             what = f"{table.columns([0])[0].size} rows, too few for a motion, and no names that say a friction curve"
         raise RefusedError(str(table.path), what, hint, _others(table, options))

@@ -12,6 +12,8 @@ from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.fit.model_fit import Fit, fit
 from harness.diagnosis.problem import P, Problem
 from harness.diagnosis.problems.simulated import observe
+from harness.diagnosis.rules import DECISIVE, LEAST_RATIO
+from harness.diagnosis.search.against import among_names
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.few_pieces import condensed
 from harness.diagnosis.search.search import Search, noise_of
@@ -41,8 +43,8 @@ def shortened(problem: P) -> tuple[P, Fit, Scales]:
 def lifted(found: Search, whole: Problem, scales: Scales) -> Search:
     """A search in means as if it had been made in the whole problem.
 
-    Base, chosen model and best single are fitted to all samples that are not before the start of the base; of the
-    others the differences in BIC are kept, and nothing else is to be asked of them.
+    Base, chosen model, best single and what could stand in the chosen one's place are fitted to all samples that are
+    not before the start of the base; of the others the differences in BIC are kept, and nothing else is to be asked.
     """
     problem = whole.part(slice(int(np.searchsorted(whole.t, found.base.model.t0)), None))
     seen = fit(found.chosen.model, problem, found.chosen.free, scales, 0, thorough=False)
@@ -58,6 +60,12 @@ def lifted(found: Search, whole: Problem, scales: Scales) -> Search:
     def moved(fits: tuple[Fit, ...]) -> tuple[Fit, ...]:
         return tuple(replace(one, chi2=one.chi2 + by) for one in fits)
 
+    least, alike = among_names(found.chosen, found.problem) + DECISIVE.value, LEAST_RATIO.value * found.chosen.chi2
+
+    def beside(one: Fit) -> Fit:
+        near = one.chi2 < alike or among_names(one, found.problem) < least
+        return fitted(one) if near else moved((one,))[0]
+
     first = found.singles[:1]
     best = tuple(chosen if key_of(one) == key_of(chosen) else fitted(one) for one in first)
     return replace(
@@ -66,6 +74,6 @@ def lifted(found: Search, whole: Problem, scales: Scales) -> Search:
         base=base,
         chosen=chosen,
         singles=(*best, *moved(found.singles[1:])),
-        rivals=moved(found.rivals),
+        rivals=tuple(beside(one) for one in found.rivals),
         without=tuple(f if f is None else moved((f,))[0] for f in found.without),
     )

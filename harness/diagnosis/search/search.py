@@ -250,16 +250,20 @@ def _with_free_form(
 
 
 def _in_their_best_form(chosen: Fit, rivals: tuple[Fit, ...], problem: Problem, scales: Scales) -> tuple[Fit, ...]:
-    """Rivals of a lone law, the nearest of other names in the form that fits: a formula does not say which it is."""
+    """Rivals of a lone law, the nearest of other names in a form that fits as well: a formula does not say which it is.
+
+    What fits less well in any form stays as the catalogue has it.
+    """
     if len(chosen.model.terms) != 1 or not problem.moves:
         return rivals
-    own = key_of(chosen)
+    own, least = key_of(chosen), among_names(chosen, problem) + DECISIVE.value
     nearest = [f for f in in_turn(rivals, problem) if f.model.terms and key_of(f) != own][:_FREED]
 
     def best(one: Fit) -> Fit:
         if not any(one is other for other in nearest):
             return one
-        return min((one, *forms(one, problem, scales)), key=lambda f: among_names(f, problem))
+        bent = [f for f in forms(one, problem, scales) if among_names(f, problem) < least]
+        return min((one, *bent), key=lambda f: among_names(f, problem))
 
     return in_turn([best(one) for one in rivals], problem)
 
