@@ -35,7 +35,7 @@ ASKED = {
     "misled": Asked("unknown effects: named or listed as a family"),
     "alarms": Asked("controls: false alarms", "at most 1 %", most=0.01),
     "covered": Asked("true values within two standard errors, nothing hidden", "93 to 97 %", least=0.93, most=0.97),
-    "right_covered": Asked("the same where the effect was named"),
+    "right_covered": Asked("the same where the effect was named, systematic errors counted"),
     "holdout": Asked("named or listed: held-out error after over before, median", "at most 0.5", most=0.5),
     "calibration": Asked("expected calibration error of probabilities", "at most 0.05", most=0.05),
 }
