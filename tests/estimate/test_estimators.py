@@ -71,7 +71,7 @@ def test_isolated_cases() -> None:
 def test_a_hand_that_trembles_before_the_release_turns_nothing_round(seed: int) -> None:
     """Nor does a sensor after the stop: of 200 holds 32 had been given turning points, and 13 no decay."""
     rng = np.random.default_rng(seed)
-    t, held = 0.03 * np.arange(500), 0.03 * rng.integers(15, 60)
+    t, held = 0.03 * np.arange(500.0), 0.03 * float(rng.integers(15, 60))
     x, _ = _late(held, t / 1.6)
     slow = 0.0
     for i, one in enumerate(rng.standard_normal(t.size)):
