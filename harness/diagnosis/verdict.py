@@ -84,16 +84,17 @@ def judge(found: Search, graded: Contest | None = None) -> Judgement:
 def weighed(found: Search, omega: float) -> Search:
     """A search whose model may meet the noise by following what it does not say, as one that explains nothing.
 
-    A law with a clock on the swing, or on any that would do, or bent beyond its name, follows any other. Samples of one
-    swing say one thing; two laws that meet the noise together may do so by following it, where their evidence in words
-    of the motion is small.
+    A law with a clock on the swing, or on any that would do, or bent beyond its name or to nothing that is told,
+    follows any other. Samples of one swing say one thing; two laws that meet the noise together may do so by following
+    it, where their evidence in words of the motion is small.
     omega : of the motion, rad/s.
     """
     terms = found.chosen.model.terms
     if not terms or found.by_force or found.left is Left.STRUCTURE:
         return found
     problem, base, chosen = found.problem, found.base, found.chosen
-    if not chosen.explains_as_named or unresolved(terms, omega, problem.duration) or _without_a_rate(chosen):
+    nothing_told = _without_a_rate(chosen) or _without_a_shape(chosen)
+    if not chosen.explains_as_named or unresolved(terms, omega, problem.duration) or nothing_told:
         return replace(found, chosen=base, left=Left.STRUCTURE, without=())
     if len(terms) < 2:
         return found
@@ -111,6 +112,18 @@ def _without_a_rate(chosen: Fit) -> bool:
     return any(
         isinstance(f.by, tuple)
         and f.by[1] == terms[f.by[0]].term.repeating("time")
+        and error[i] >= LOOSE.value * abs(chosen.values[i])
+        for i, f in enumerate(chosen.free)
+    )
+
+
+def _without_a_shape(chosen: Fit) -> bool:
+    """Whether a law whose form is freed has a speed or a length of its own that is looser than itself."""
+    error, terms = np.sqrt(np.maximum(np.diag(chosen.covariance()), 0.0)), chosen.model.terms
+    return any(
+        isinstance(f.by, tuple)
+        and terms[f.by[0]].term.frees != ""
+        and terms[f.by[0]].term.parameters[f.by[1]].positive
         and error[i] >= LOOSE.value * abs(chosen.values[i])
         for i, f in enumerate(chosen.free)
     )

@@ -87,7 +87,8 @@ class DrivenRecordings(Kind[Driven]):
         found = search(based.problem, based.fit, based.scales, renew, alone=alone)
         unknown = self._unknown_between(found, based)
         if unknown is not None:
-            (found, based), notes = unknown, [*notes, _UNKNOWN_BETWEEN]
+            found, based = unknown
+            notes = [*(one for one in notes if one is not ACTS_HELD or based.whole.is_held), _UNKNOWN_BETWEEN]
         if not found.explained and _strays(found.base, found.problem):
             with suppress(SimulationError):
                 forces = FittedForces()

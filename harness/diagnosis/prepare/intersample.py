@@ -80,7 +80,8 @@ def acting(problem: Driven, u: FloatArray, told: Drive | None = None) -> Acting:
         return None
 
     if told is not None and (found := followed(told)) is not None and found.chi2 < _STRAYS**2 * found.points:
-        return Acting(told, (), told.held, follows=True, model=found.model, chi2=found.chi2)
+        # half a step's delay is as a little more mass: what is held is held against straight lines beside each law, too
+        return Acting(told, (lines,) if told.held else (), told.held, follows=True, model=found.model, chi2=found.chi2)
     usual, ways = followed(problem.drive), [held(problem.t, u)]
     if usual is None:
         return Acting(problem.drive, (), held=False, follows=False, model=first, chi2=math.inf)
