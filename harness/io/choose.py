@@ -66,7 +66,7 @@ def chosen(table: Table, options: ReadOptions) -> Chosen:
     mappings = found.mappings
     if not set(mappings) & {"x", "v", "a"}:
         hint = "columns named t and one or more of x, v, a, or a choice of them by --columns"
-        what = f"no position, speed or acceleration among the columns {table.listed()}"
+        what = f"the columns {table.listed()}"
         counted = next((table.headers[i] for i, unit in table.units.items() if STEPS.match(unit)), None)
         if counted is not None:
             what = f"{what}; {counted} is what a sensor counts"
