@@ -3,10 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from harness.diagnosis.baseline.words import evidence, few_words, strokes_of, words_of
-from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.fit.model_fit import Fit, LawNumber, of_laws
 from harness.diagnosis.grading.clocks import unresolved
 from harness.diagnosis.grading.contest import Contest
 from harness.diagnosis.grading.lone import next_best, stand_ins, undecided
@@ -93,7 +91,7 @@ def weighed(found: Search, omega: float) -> Search:
     if not terms or found.by_force or found.left is Left.STRUCTURE:
         return found
     problem, base, chosen = found.problem, found.base, found.chosen
-    nothing_told = _without_a_rate(chosen) or _without_a_shape(chosen)
+    nothing_told = any(map(_tells_nothing, of_laws(chosen)))
     if not chosen.explains_as_named or unresolved(terms, omega, problem.duration) or nothing_told:
         return replace(found, chosen=base, left=Left.STRUCTURE, without=())
     if len(terms) < 2:
@@ -106,27 +104,11 @@ def weighed(found: Search, omega: float) -> Search:
     return replace(found, chosen=base, left=Left.STRUCTURE, without=(), doubted=chosen)
 
 
-def _without_a_rate(chosen: Fit) -> bool:
-    """Whether a law that repeats in time does so at a rate that is looser than itself."""
-    error, terms = np.sqrt(np.maximum(np.diag(chosen.covariance()), 0.0)), chosen.model.terms
-    return any(
-        isinstance(f.by, tuple)
-        and f.by[1] == terms[f.by[0]].term.repeating("time")
-        and error[i] >= LOOSE.value * abs(chosen.values[i])
-        for i, f in enumerate(chosen.free)
-    )
-
-
-def _without_a_shape(chosen: Fit) -> bool:
-    """Whether a law whose form is freed has a speed or a length of its own that is looser than itself."""
-    error, terms = np.sqrt(np.maximum(np.diag(chosen.covariance()), 0.0)), chosen.model.terms
-    return any(
-        isinstance(f.by, tuple)
-        and terms[f.by[0]].term.frees != ""
-        and terms[f.by[0]].term.parameters[f.by[1]].positive
-        and error[i] >= LOOSE.value * abs(chosen.values[i])
-        for i, f in enumerate(chosen.free)
-    )
+def _tells_nothing(number: LawNumber) -> bool:
+    """Whether it is looser than itself, and the rate of a law that repeats in time or what shapes one that is freed."""
+    rate = number.which == number.law.repeating("time")
+    shape = number.law.frees != "" and number.parameter.positive
+    return (rate or shape) and number.loose(LOOSE.value)
 
 
 def _unsure_beside_a_curve(found: Search) -> bool:

@@ -25,9 +25,8 @@ from harness.io.columns import (
 from harness.io.options import UNSAID, ReadOptions, RefusedError
 from harness.io.scoring import GYRO_COUNTS, TURNING, Reading, runs_of
 from harness.io.table import Table
-from harness.io.units import RAW, STEPS, Unit, parse_unit
+from harness.io.units import RAW, STEPS, NoUnitError, OtherUnitError, Unit, parse_unit
 
-_NO_UNIT = re.compile("is not a unit$|of another kind|what a sensor counts$")
 _ONE_WAY = 0.9
 """Share of the rows of a friction curve, at least, in which the force has the sign of the speed."""
 _MOST_CHOICES, _SHOWN, _LONG = 6, 8, 60
@@ -325,10 +324,10 @@ def products(table: Table, mappings: dict[str, Mapping]) -> dict[str, tuple[Floa
     for channel, mapping in mappings.items():
         try:
             read[channel] = _product(table, mapping, at, columns)
-        except InputError as error:
-            if mapping.unit is not None or not _NO_UNIT.search(error.found):
+        except (NoUnitError, OtherUnitError) as error:
+            if mapping.unit is not None:
                 raise
-            no_unit = channel == "t" or error.found.endswith("is not a unit")
+            no_unit = channel == "t" or isinstance(error, NoUnitError)
             unit = f"{quoted_of(table, mapping)}[{_SI.get(channel, 's')}]"
             paste = {c: quoted_of(table, one) for c, one in mappings.items()} | {
                 channel: unit if no_unit else f"1*{unit}"

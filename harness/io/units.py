@@ -221,10 +221,18 @@ def _in_short(word: str) -> str:
     return "deg" if word.strip() == "Grad" else _WRITTEN.get(word.strip().lower(), word)
 
 
+class NoUnitError(InputError):
+    """A text that is no unit of its channel."""
+
+
+class OtherUnitError(InputError):
+    """A unit of another kind, or a sensor's own, of which a scale makes one of the channel's."""
+
+
 def parse_unit(where: str, channel: str, text: str | None) -> Unit:
     """The unit ``text`` of a channel (t, x, v, a, u, or i, e and h: current, voltage, temperature); SI when None.
 
-    Raises InputError naming ``where`` when it is not a unit, or one of another dimension.
+    Raises InputError naming ``where``: NoUnitError when it is not a unit, OtherUnitError for one of another dimension.
     """
     if text is None:
         return SI
@@ -247,22 +255,22 @@ def parse_unit(where: str, channel: str, text: str | None) -> Unit:
         accepted = f"{_ONE_OF[two[1].lower()]}"
         raise InputError(where, f"'{text}' is a length to some and an angle to others", accepted)
     if not text.strip() or not _PLAIN.match(text) or _LARGE_EXPONENT.search(text):
-        raise InputError(where, f"'{text}' is not a unit", accepted)
+        raise NoUnitError(where, f"'{text}' is not a unit", accepted)
     if STEPS.match(text) and channel in _SCALED:
         accepted += f"; what one is worth brings it, as {_SCALED[channel]} in --columns"
-        raise InputError(where, f"'{text}' is what a sensor counts", accepted)
+        raise OtherUnitError(where, f"'{text}' is what a sensor counts", accepted)
     registry = _registry()
     text = _WRITTEN.get(text.lower()) or "/".join(map(_in_short, text.split("/")))
     try:
         base = registry.Quantity(1.0, registry.parse_units(_spelled(channel, text)))
         base = base.to_base_units()
     except Exception:  # pint raises from its tokenizer up; whatever it is, this text is not a unit
-        raise InputError(where, f"'{text}' is not a unit", accepted) from None
+        raise NoUnitError(where, f"'{text}' is not a unit", accepted) from None
     if str(base.units) not in _BASE[channel]:
         kind = "a pure number" if base.dimensionless else _KINDS.get(str(base.units), str(base.units))
         if channel in _SCALED:
             accepted += f"; a sensor's or a motor's own scale brings it, as {_SCALED[channel]} in --columns"
-        raise InputError(where, f"'{text}' is a unit of another kind ({kind})", accepted)
+        raise OtherUnitError(where, f"'{text}' is a unit of another kind ({kind})", accepted)
     return Unit(text, float(base.magnitude), "radian" in str(base.units))
 
 

@@ -6,7 +6,7 @@ The descent of a model's fitted numbers, whatever of a recording it is seen by.
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from harness.fit.covariance import coloured_covariance, covariance_of
 from harness.fit.least_squares import Descent, Stop, Until, least_squares
 from harness.kernels.solve import Effort, Scales
 from harness.model.model import Model
+from harness.model.term import Parameter, Term
 
 S = TypeVar("S")
 
@@ -84,6 +85,24 @@ _REACH = 2.0
 """Correlation times over which partials and a coloured residual may go together."""
 HASTY = 1e-5
 """Of chi-square: a hasty descent that gains less in a step is near enough to be compared."""
+
+
+class LawNumber(NamedTuple):
+    """A fitted number of a law, which of its parameters it is, and its standard error."""
+
+    law: Term
+    which: int
+    value: float
+    error: float
+
+    @property
+    def parameter(self) -> Parameter:
+        """What it is."""
+        return self.law.parameters[self.which]
+
+    def loose(self, most: float) -> bool:
+        """Whether its standard error is so many times the number."""
+        return self.error >= most * abs(self.value)
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,6 +176,16 @@ class Fit:
             return covariance_of(self.jacobian)
         lags = min(math.ceil(_REACH * self.memory.time), self.residual.size - 1)
         return coloured_covariance(self.jacobian, self.residual, lags, self.seams)
+
+
+def of_laws(found: Fit) -> list[LawNumber]:
+    """The fitted numbers that are laws' own, with their standard errors."""
+    errors, terms = np.sqrt(np.maximum(np.diag(found.covariance()), 0.0)), found.model.terms
+    return [
+        LawNumber(terms[number.by[0]].term, number.by[1], float(value), float(error))
+        for number, value, error in zip(found.free, found.values, errors, strict=True)
+        if isinstance(number.by, tuple)
+    ]
 
 
 def whitened(problem: Problem, values: Mapping[str, FloatArray]) -> FloatArray:

@@ -13,14 +13,13 @@ from typing import Protocol
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.fit.model_fit import Fit, of_laws
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.force_noise import FAR
+from harness.diagnosis.rules import SHAPE_WIDTH
 from harness.model.registry import term
 from harness.model.term import Term
 
-_WIDE = math.log(100.0)
-"""Logarithm of how far apart a speed, a length or a time that shapes a law may be before it is seen."""
 _BRIEF = 1e-6
 """Share of a recording that a moment is never told more exactly than."""
 
@@ -41,13 +40,15 @@ def _scanned(found: Fit, span: float) -> float:
 
     Chance has as many tries as there are moments that can be told apart.
     """
-    terms = found.model.terms
-    at = [isinstance(n.by, tuple) and terms[n.by[0]].term.parameters[n.by[1]].moment for n in found.free]
-    if not any(at):
+    if not any(one.moment for entry in found.model.terms for one in entry.term.parameters):
         return 0.0
-    after = math.sqrt(2.0 * math.pi) * np.sqrt(np.diag(found.covariance())[at])
-    tries = 2.0 * np.log(np.maximum(span / np.maximum(after, _BRIEF * span), 1.0))
-    return float(np.sum(np.maximum(tries - _full(found), 0.0)))
+    told = (number.error for number in of_laws(found) if number.parameter.moment)
+    return sum(max(_costs(span, max(error, _BRIEF * span)) - _full(found), 0.0) for error in told)
+
+
+def _costs(width: float, error: float) -> float:
+    """What a number costs that may be anywhere within a width and is told with a standard error, twice a logarithm."""
+    return 2.0 * math.log(max(width / (math.sqrt(2.0 * math.pi) * error), 1.0))
 
 
 def far_out(found: Fit) -> float:
@@ -67,17 +68,14 @@ def among_names(found: Fit, problem: Problem) -> float:
 
 def untold(found: Fit) -> float:
     """What BIC takes too much for numbers that shape laws, at least 0."""
-    full, errors, spare = _full(found), np.sqrt(np.diag(found.covariance())), 0.0
+    full, spare = _full(found), 0.0
     # a speed or a length that the motion does not come to shapes nothing: there a law is another one's limit
     reach = {"m": float(np.max(np.abs(found.shown.x))), "m/s": float(np.max(np.abs(found.shown.v)))}
-    for number, value, error in zip(found.free, found.values, errors, strict=True):
-        if not isinstance(number.by, tuple):
-            continue
-        law, which = found.model.terms[number.by[0]].term, number.by[1]
-        width = _width(law, which)
-        if width > 0.0 and error > 0.0 and value <= reach.get(law.parameters[which].unit, math.inf):
-            after = math.sqrt(2.0 * math.pi) * error / (value if law.parameters[which].positive else 1.0)
-            spare += max(full - 2.0 * math.log(max(width / after, 1.0)), 0.0)
+    for number in of_laws(found):
+        width = _width(number.law, number.which)
+        if width > 0.0 and number.error > 0.0 and number.value <= reach.get(number.parameter.unit, math.inf):
+            error = number.error / (number.value if number.parameter.positive else 1.0)
+            spare += max(full - _costs(width, error), 0.0)
     return spare
 
 
@@ -92,7 +90,7 @@ def _width(law: Term, which: int) -> float:
     if amplitude is None or which == amplitude:
         return 0.0
     if number.positive:
-        return _WIDE
+        return math.log(SHAPE_WIDTH.value)
     span = number.upper - number.lower
     return span if math.isfinite(span) else 0.0
 
