@@ -178,6 +178,20 @@ class Stamps:
         return cls(np.sqrt((rest + late) / float(np.mean(rest + late))), jitter)
 
 
+_BANDS = 10
+"""Of a spectrum, the quietest of which bounds a white noise; a noise fills them all alike."""
+
+
+def white_at_most(y: FloatArray) -> float:
+    """Standard deviation of the white noise that a channel (n,) of even steps has room for, the unit of the channel.
+
+    What is fast beside a sample is noise within a few of them, and in a spectrum only where all of it is as loud.
+    """
+    taper = np.hanning(y.size + 2)[1:-1]
+    power = np.abs(np.fft.rfft((y - np.mean(y)) * taper)) ** 2 / float(np.sum(taper**2))
+    return math.sqrt(min(float(np.mean(band)) for band in np.array_split(power[1:], _BANDS)))
+
+
 def quantisation_step(y: FloatArray) -> float:
     """Distance between the levels of a quantised channel, 0 for one that is not; same unit as ``y`` (n,)."""
     part = y if y.size <= 40_000 else y[:: y.size // 20_000]

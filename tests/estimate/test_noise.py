@@ -6,7 +6,7 @@ from scipy.signal import lfilter
 
 from harness.core.arrays import FloatArray
 from harness.estimate.every import METHODS, estimate_all
-from harness.estimate.noise import FLOOR, channel_noise, quantisation_step
+from harness.estimate.noise import FLOOR, channel_noise, quantisation_step, white_at_most
 from harness.estimate.repeated import repeated
 from harness.exact.decay import Decay, free_decay
 
@@ -122,3 +122,12 @@ def test_a_decay_that_cannot_be_seen_is_none() -> None:
     found = estimate_all(t, swing(t, 0.0, 0.0)[0] - 0.7)["displacement"]
     assert (found.zeta.value, found.x_k.value) == (0.0, 0.0)
     assert "no decay" in found.notes[0]
+
+
+def test_a_white_noise_is_bounded_where_a_spectrum_is_quiet() -> None:
+    t = np.arange(4000.0)
+    fast = np.sum([np.sin(2.0 * np.pi * f * t + 9.0 * f) for f in np.linspace(0.01, 0.3, 40)], axis=0)
+    noise = 0.02 * np.random.default_rng(3).standard_normal(t.size)
+    assert white_at_most(noise) == pytest.approx(0.02, rel=0.1)
+    assert white_at_most(fast + noise) == pytest.approx(0.02, rel=0.1)
+    assert white_at_most(fast) < 1e-3

@@ -24,9 +24,9 @@ from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.problems.simulated import COARSE, observe
 from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import DECISIVE, FORCE_HELD
-from harness.diagnosis.smoothed_state.state import Course, inverse_start
+from harness.diagnosis.smoothed_state.state import Course, inverse_start, told_by
 from harness.diagnosis.starts import OneStart, Windows
-from harness.estimate.noise import Noise, channel_noise
+from harness.estimate.noise import Noise, channel_noise, white_at_most
 from harness.estimate.readings import words
 from harness.estimate.rest import quiet_at_rest
 from harness.estimate.saturation import within_range
@@ -97,10 +97,13 @@ def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course, tuple[str
         raise InputError(where, f"a slider that does not move beyond its noise ({seen})", "a driven motion")
     course = Course.of(t, channels, noise)
     unsaid = asked.restoring is None
-    asked, held = held_driven(asked, course.state, u, recording.angular) if "x" in channels else (asked, ())
+    # beside a speed of its own x is not what the other slopes are of
+    alike = "x" in channels and "v" not in channels
+    state, force = told_by(t, channels["x"], u, course.state) if alike else (course.state, u)
+    asked, held = held_driven(asked, state, force, recording.angular) if "x" in channels else (asked, ())
     restoring = asked.restoring or Restoring.SPRING
-    first = inverse_start(course.state, u, restoring, asked.mass, bool(asked.zero_free))
-    k, share, unsaid_spring = spring_beside(course.state, u, asked.mass)
+    first = inverse_start(state, force, restoring, asked.mass, bool(asked.zero_free))
+    k, share, unsaid_spring = spring_beside(state, force, asked.mass)
     if restoring is Restoring.NONE and unsaid_spring:
         spring = f"a spring of {k:.3g} {'N m/rad' if recording.angular else 'N/m'}"
         took = f"takes {100.0 * share:.3g} % off what is left of the force"
@@ -132,7 +135,7 @@ def _followed(problem: Driven, course: Course, u: FloatArray, asked: Asked) -> t
         # a model without what covariates do follows nothing, and how the force acts between samples cannot be told
         return _by_force(problem, asked, course)
     told = _felt_of(problem, course, u)
-    noise_u = _unfelt(channel_noise(t, u, rests=True), told)
+    noise_u = _unfelt(channel_noise(t, u, rests=True), told, u)
     quiet = _quiet(problem, u, noise_u, course.longest)
     if np.any(quiet != u):
         problem, u = problem.less(Drive(t, u - quiet)), quiet
@@ -188,11 +191,15 @@ def _felt_of(problem: Driven, course: Course, u: FloatArray) -> Felt | None:
     return Felt(most, None) if told is None else replace(told, level=min(told.level, most))
 
 
-def _unfelt(noise: Noise, told: Felt | None) -> Noise:
-    """The noise of a force, no more of it than the motion has not felt."""
-    if told is None or not noise.found or told.level >= noise.sigma:
+def _unfelt(noise: Noise, told: Felt | None, u: FloatArray) -> Noise:
+    """The noise of a force u (n,), no more of it than the motion has not felt.
+
+    Of a slider that turns every few samples, whose motion does not say, no more than a spectrum has room for.
+    """
+    level = told.level if told is not None else math.inf if noise.phi else white_at_most(u)
+    if not noise.found or level >= noise.sigma:
         return noise
-    return replace(noise, sigma=told.level, found=True) if told.level > 0.0 else replace(noise, found=False)
+    return replace(noise, sigma=level, found=True) if level > 0.0 else replace(noise, found=False)
 
 
 def _ways(problem: Driven, u: FloatArray) -> list[Drive]:

@@ -9,7 +9,6 @@ stroke): anything smaller may be an effect of its own.
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
-from typing import TypeAlias
 
 import numpy as np
 
@@ -21,7 +20,7 @@ from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import P, Problem
 from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import GAIN, LARGE_ANGLE, ZERO_REACH
-from harness.diagnosis.smoothed_state.state import in_motion
+from harness.diagnosis.smoothed_state.state import State, in_motion
 from harness.model.model import Restoring
 
 _LOOKED_AT = 1500
@@ -30,8 +29,6 @@ _NAMES = {Restoring.PENDULUM: "a pendulum", Restoring.SPRING: "a spring"}
 _MOST = 0.9
 """Share of the mean square left of the force that a spring takes off only where there is one: of 60 driven axes that
 have none, with one effect or without, it takes .12 off at most, of twelve recordings of pneumatic cylinders .32."""
-State: TypeAlias = tuple[FloatArray, FloatArray, FloatArray]
-"""x, v, a (n,), smoothed."""
 
 
 def held(problem: P, asked: Asked) -> tuple[P, str]:

@@ -21,6 +21,7 @@ from harness.diagnosis.baseline.base_fit import driven_scales, own_scales
 from harness.diagnosis.fit.model_fit import Fit, fit, whitened
 from harness.diagnosis.input_noise.noisy_base_fit import in_turn
 from harness.diagnosis.parameters import free_of
+from harness.diagnosis.prepare.band_limited import band_limited, ends
 from harness.diagnosis.problems.driven import Driven
 from harness.diagnosis.problems.simulated import COARSE, observe
 from harness.diagnosis.rules import FORCE_HELD
@@ -132,12 +133,15 @@ def between_samples(t: FloatArray, u: FloatArray, longest: float = math.inf) -> 
     """The drive of a force u (n,) at t (n,), s; straight over intervals beyond ``longest`` (s), where none is known.
 
     In a stretch without a gap every second sample is left out and predicted from the others, by straight lines and by a
-    curve with kinks; noise is better predicted by the former, a smooth force and a loop's by the latter.
+    curve with kinks; noise is better predicted by the former, a smooth force and a loop's by the latter. One whose
+    spectrum ends is known, with however few samples a period.
     """
     edges, parts = [0, *(np.flatnonzero(np.diff(t) > longest) + 1), t.size], []
     for a, b in pairwise(edges):
         part = Drive(t[a:b], u[a:b])
-        if b - a >= _FEWEST:
+        if ends(t[a:b], u[a:b]):
+            part = band_limited(t[a:b], u[a:b])
+        elif b - a >= _FEWEST:
             out, coarse = slice(a + 1, a + (b - a - 1) // 2 * 2, 2), curve(t[a:b:2], u[a:b:2])
             # kinks are missed by either: what is usual decides
             straight, curved = (

@@ -22,6 +22,7 @@ from harness.core.errors import SimulationError
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import Observation, P
 from harness.diagnosis.problems.simulated import COARSE, observe
+from harness.diagnosis.starts import OneStart
 from harness.kernels.solve import Drive, Scales
 from harness.model.model import Model
 
@@ -57,8 +58,23 @@ def for_looks(current: Fit, problem: P, scales: Scales, samples: int) -> tuple[P
     """
     if not problem.simulated:
         return problem, 1.0
-    small, scale_up = condensed(problem, current.shown, samples, scales.omega)
+    small = _first_cycles(problem, current.shown, samples, scales.omega)
+    scale_up = problem.points / small.points
+    if small is problem:
+        small, scale_up = condensed(problem, current.shown, samples, scales.omega)
     return in_few_pieces(small, current.model, scales), scale_up
+
+
+def _first_cycles(problem: P, shown: Observation, samples: int, omega: float) -> P:
+    """The first part of a driven motion of more cycles than so many samples can show; itself where they can.
+
+    It holds as much of the motion's squares as of the cycles may be shown: a motion may begin with a rest, or grow.
+    """
+    cycles = omega * float(problem.t[-1] - problem.t[0]) / (2.0 * math.pi)
+    if _PER_CYCLE * cycles <= samples or "driven" not in problem.given or not isinstance(problem.starts, OneStart):
+        return problem
+    held = np.cumsum((shown.x - np.mean(shown.x)) ** 2)
+    return problem.part(slice(0, int(np.searchsorted(held, samples / (_PER_CYCLE * cycles) * held[-1])) + 1))
 
 
 def in_few_pieces(problem: P, model: Model, scales: Scales) -> P:

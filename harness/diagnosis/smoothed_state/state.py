@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
@@ -19,11 +20,23 @@ _FEWEST = 20
 """Moving samples: four to each of five numbers."""
 FEWEST, _AWAY = 8, 8
 """Samples below which a window is not worth a start, and either side of one in which the slider should not turn."""
+_KERNEL, _REACH, _EVEN = 2.0, 10, 1e-3
+"""Samples: width and reach of a kernel that passes all signals alike; and by which share steps may differ for it."""
+_FEW = 24.0
+"""Samples a period, from which on a cubic over nine takes less than a tenth off a bend."""
+_BENDS = 2, 3
+"""Powers of a displacement by which a spring bends."""
+_CLEARER = 0.25
+"""Share of the squares that smoothing leaves, below which signals that are filtered alike tell the force better."""
 _LEAST = 1e-3
 """Share that a parameter which must not vanish is given where least squares makes it negative."""
 
 
-def state_of(t: FloatArray, smooth: Mapping[str, Smooth]) -> tuple[FloatArray, FloatArray, FloatArray]:
+State: TypeAlias = tuple[FloatArray, FloatArray, FloatArray]
+"""x, v, a (n,), smoothed."""
+
+
+def state_of(t: FloatArray, smooth: Mapping[str, Smooth]) -> State:
     """Position, speed and acceleration (n,) from smoothed x or v; x from v alone counts from its first sample."""
     if "x" in smooth:
         x = smooth["x"]
@@ -40,8 +53,48 @@ def in_motion(v: FloatArray) -> BoolArray:
     return np.asarray(np.abs(v) > _MOVING * float(np.max(np.abs(v))))
 
 
+def told_by(t: FloatArray, x: FloatArray, u: FloatArray, state: State) -> tuple[State, FloatArray]:
+    """The state and the force, (n,) each, that a regression of a force u (n,) on x (n,) and its slopes is made of.
+
+    A cubic takes a share off a bend that grows with its frequency: over nine samples half, of a motion of as many a
+    period, which near resonance passes for another mass and no spring. Signals that one kernel, its slope and its bend
+    have passed keep what stands between them, whatever it takes off (Shinbrot 1957, Trans. ASME 79, 547). They are
+    taken where they leave decidedly less, of a force as it is at its samples or held from each to the next; less the
+    square and the cube that a spring bends by, if they take decidedly more.
+    """
+    step = np.diff(t)
+    turns = float(np.std(state[1])) * float(np.mean(step)) * _FEW >= 2.0 * math.pi * float(np.std(state[0]))
+    if not turns or t.size < 4 * _REACH + _FEWEST or np.ptp(step) > _EVEN * float(np.mean(step)):
+        return state, u
+    at, h = np.arange(-_REACH, _REACH + 1) / _KERNEL, _KERNEL * float(np.mean(step))
+    kernel = np.exp(-0.5 * at**2) / np.sum(np.exp(-0.5 * at**2))
+    passed = [np.convolve(x, one, "valid") for one in (kernel, -at * kernel / h, (at**2 - 1.0) * kernel / h**2)]
+    alike = passed[0], passed[1], passed[2]
+    bends = np.column_stack([np.convolve((x - np.mean(x)) ** power, kernel, "valid") for power in _BENDS])
+    # around a sample a force that is held is as before it and after it for half a step each
+    acts = (u, np.concatenate((u[:1], 0.5 * (u[1:] + u[:-1]))))
+    forces = [np.convolve(one, kernel, "valid") for one in acts]
+    ways = [(*_left_of(alike, one, bends), one) for one in forces]
+    left, factors, force = min(ways, key=lambda way: float(way[0] @ way[0]))
+    powers = np.column_stack([(state[0] - np.mean(state[0])) ** power for power in _BENDS])
+    usual = np.convolve(_left_of(state, u, powers)[0], kernel, "valid")
+    if left @ left >= _CLEARER * (usual @ usual):
+        return state, u
+    plain, _ = _left_of(alike, force, bends[:, :0])
+    return alike, force - bends @ factors if left @ left < _CLEARER * (plain @ plain) else force
+
+
+def _left_of(state: State, u: FloatArray, others: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """What a spring, viscous and Coulomb friction and others (n, q) leave of a force (n,), and their factors (q,)."""
+    x, v, a = state
+    table = np.column_stack([a, v, x, np.sign(v), np.ones_like(v), others])
+    size = np.sqrt(np.mean(table**2, axis=0)) + 1e-300
+    found = np.linalg.lstsq(table / size, u, rcond=None)[0] / size
+    return u - table @ found, found[table.shape[1] - others.shape[1] :]
+
+
 def inverse_start(
-    state: tuple[FloatArray, FloatArray, FloatArray],
+    state: State,
     u: FloatArray,
     restoring: Restoring,
     mass: float | None,
@@ -105,7 +158,7 @@ class Course:
 
     t: FloatArray
     smooth: Mapping[str, Smooth]
-    state: tuple[FloatArray, FloatArray, FloatArray]
+    state: State
     longest: float
 
     @classmethod
