@@ -16,7 +16,7 @@ from harness.proof.paths import plant
 from harness.proof.paths.files import numbers_in, packed, unpacked, written
 from harness.proof.paths.forms import FORMS, PATHS, SHAPES, numbers, unknown
 from harness.proof.paths.made import CONTROL, FORM, UNKNOWN, forms_of, made
-from harness.proof.paths.rigs import BARE, NONE, draw_rig, laws_of, loss, shown
+from harness.proof.paths.rigs import BARE, NONE, draw_rig, followed, laws_of, loss, shown, unseen
 from harness.proof.paths.score import outcome
 from harness.proof.plan import PATHS as FULL
 from harness.proof.plan import SHORT_PATHS, Sizes, plan
@@ -98,6 +98,26 @@ def test_an_effect_is_as_strong_as_was_drawn_and_a_control_has_none(path: str) -
 def test_no_noise_hides_nothing_of_the_base() -> None:
     rig = draw_rig("driven on a spring", np.random.default_rng(5))
     assert loss(rig, BARE) < 1e-6
+
+
+def test_what_acts_in_ticks_that_no_sample_shows_is_unseen() -> None:
+    chatter = np.random.default_rng(3).standard_normal(40_001)
+    assert unseen(chatter, 1) < 1e-12
+    # of a mean of four ticks three are not logged
+    assert unseen(chatter, 4) == pytest.approx(math.sqrt(3.0) / 4.0, rel=0.02)
+    slow = np.sin(2.0 * math.pi * 1e-3 * np.arange(40_001.0))
+    assert unseen(slow, 4) < 1e-4
+
+
+@pytest.mark.parametrize(("x", "u"), [(1e-5, 0.3), (1e-3, 0.3), (1e-3, 1e-3)])
+def test_an_effect_is_worth_what_noise_of_position_and_force_leave_of_it(x: float, u: float) -> None:
+    n, dt, m, turn = 4000, 0.002, 2.0, 2.0 * math.pi * 9.0
+    t = dt * np.arange(float(n))
+    extra = 0.1 * np.sin(turn * t)
+    # a position's noise in the second difference of a wave
+    bent = m * x * (2.0 * math.sin(0.5 * turn * dt) / dt) ** 2
+    worth = 0.5 * n * 0.5 * 0.1**2 / (u**2 + bent**2)
+    assert followed(extra, np.ones(n), [np.ones(n)], dt, m, x, u) == pytest.approx(worth, rel=0.05)
 
 
 def test_an_unknown_effect_that_is_all_but_a_law_is_that_law() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.proof.paths import chain, joints, plant
 from harness.proof.paths.forms import ARM, OF_MODEL, Rng, Scales, _between
-from harness.proof.paths.rigs import BARE, COMMANDED, NONE, _moves, followed, projected
+from harness.proof.paths.rigs import BARE, COMMANDED, NONE, _moves, followed, projected, unseen
 
 NAMES = (
     ("joint1", "joint2", "joint3", "joint4", "joint5"),
@@ -218,8 +218,7 @@ def draw_arm(rng: Rng) -> Arm:
         band *= 0.7
     spread = np.std(run, axis=0)
     share = _between(rng, 3e-4, 2e-2) if rng.random() < 0.6 else COMMANDED
-    u = run[:-1, :, 3].reshape(-1, every, n)
-    between = np.std(u[:, 0] - np.mean(u, axis=1), axis=0)
+    between = [unseen(u, every) for u in run[:, :, 3].T]
     noise = spread[:, 3] * share
     of_x, of_v = np.full(n, count / math.sqrt(12.0)), spread[:, 1] * _between(rng, 1e-3, 1e-2)
     arm.sigma[:] = np.column_stack((of_x, of_v, noise, np.hypot(noise, between)))

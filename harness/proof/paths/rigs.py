@@ -7,7 +7,7 @@ from functools import lru_cache
 from types import MappingProxyType
 
 import numpy as np
-from scipy.linalg import orth
+from scipy.linalg import cholesky_banded, orth, solve_banded
 from scipy.optimize import least_squares
 from scipy.signal import lfilter
 
@@ -43,8 +43,8 @@ _SMALL = 1e-6
 COMMANDED = 1e-4
 """Of its rms, what an amplifier adds to a force that is logged as it was asked for: none gives it better, and without
 it an effect of a hundred thousandth of the friction would show."""
-WINDOWS = 12
-"""In which the motion of an axis is followed, each from a start of its own."""
+_RESTING = 0.01
+"""Of the fastest speed: slower is rest."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,7 +54,7 @@ class Rig:
     b : m, c, k, f_k, and 1 of what swings. start : x and v. drive : of what moves it. held : whether its force is
     constant between samples. sigma : noise by channel of x, a, u. colour : of neighbouring samples. count : of an
     encoder, 0 for noise. zero : of its x. channels : shown. rest : s before it is let go. every : of a controller's
-    ticks one is logged.
+    ticks one is logged. unseen : of a force, what acts from one sample to the next and no sample tells.
     """
 
     path: str
@@ -73,6 +73,7 @@ class Rig:
     zero: float = 0.0
     rest: float = 0.0
     every: int = 1
+    unseen: float = 0.0
 
     @property
     def driven(self) -> bool:
@@ -84,10 +85,7 @@ class Rig:
         """True motion (n, 5): x, v, a, u and work against friction."""
         b = self.b if b is None else b
         if self.path in (AXIS, JOINT):
-            assert self.gains is not None
-            (r, rv, ra), tick = self.drive, self.dt / self.every
-            rows = plant.controlled(r, rv, ra, self.numbers[0], self.gains, tick, self.fine, b, p, tables)
-            return rows[:: self.every]
+            return self.ticks(b, p, tables)[:: self.every]
         if self.path == SERVO:
             assert self.gains is not None
             return plant.served(self.drive[0], self.dt, self.every, self.gains, b, p, tables)
@@ -101,6 +99,12 @@ class Rig:
             return np.column_stack([0.0 * v, v, 0.0 * v, wet + np.sign(v) * dry, 0.0 * v])
         x0, v0 = self.start if start is None else start
         return plant.given_force(self.drive[0], self.held, self.dt, self.fine, x0, v0, b, p, tables)
+
+    def ticks(self, b: FloatArray, p: FloatArray, tables: FloatArray = NONE) -> FloatArray:
+        """Of a controller's axis, at every tick, (m, 5)."""
+        assert self.gains is not None
+        (r, rv, ra), tick = self.drive, self.dt / self.every
+        return plant.controlled(r, rv, ra, self.numbers[0], self.gains, tick, self.fine, b, p, tables)
 
     def scales(self, run: FloatArray) -> Scales:
         """Of a motion without effects."""
@@ -140,9 +144,9 @@ def effective(rig: Rig) -> float:
 def loss(rig: Rig, p: FloatArray, tables: FloatArray = NONE) -> float:
     """Log-likelihood that the base model is expected to lose, in effective samples: half its chi-square there.
 
-    Of a free motion, or one under a given force, the base is fitted to the whole; of an axis, to the force, and what
-    that leaves moves it within windows; of a curve, to its points; of a servo, by what small changes of its numbers
-    move. A force with noise tells no more than that lets.
+    Of a free motion, or one under a given force, the base is fitted to the whole; of an axis, to what its equation of
+    motion leaves; of a curve, to its points; of a servo, by what small changes of its numbers move. A force with noise
+    tells no more than that lets.
     """
     run = rig.run(p, tables)
     if not np.all(np.isfinite(run)) or np.max(np.abs(run)) > 1e9:
@@ -152,7 +156,8 @@ def loss(rig: Rig, p: FloatArray, tables: FloatArray = NONE) -> float:
         return 0.5 * float(np.sum((off / rig.sigma[2]) ** 2))
     if rig.path in (AXIS, SLOW, JOINT):
         extra, columns = extra_force(rig, run)
-        return followed(extra, run[:, 1], columns, rig.dt, rig.b[0], rig.sigma[0], rig.sigma[2], effective(rig))
+        u = math.hypot(rig.sigma[2], rig.unseen)
+        return followed(extra, run[:, 1], columns, rig.dt, rig.b[0], rig.sigma[0], u, effective(rig))
     if rig.path == SERVO:
         off = run[:, 0] - rig.run(BARE)[:, 0]
         return 0.5 * float(np.sum((_without(off, _moved(rig)) / rig.sigma[0]) ** 2))
@@ -216,7 +221,7 @@ def extra_force(rig: Rig, run: FloatArray) -> tuple[FloatArray, list[FloatArray]
 
 def _left(extra: FloatArray, v: FloatArray, columns: list[FloatArray], sigma: float) -> tuple[FloatArray, float]:
     """What columns leave of a force along a motion, N, (n,), and what that is worth beside its noise."""
-    moving = np.abs(v) > 0.01 * np.max(np.abs(v))
+    moving = np.abs(v) > _RESTING * np.max(np.abs(v))
     extra = np.where(moving, extra, 0.0)
     extra[moving] = _without(extra[moving], [c[moving] for c in columns])
     return extra, 0.5 * float(np.sum((extra / sigma) ** 2)) if sigma > 0.0 else math.inf
@@ -226,15 +231,27 @@ def followed(
     extra: FloatArray, v: FloatArray, columns: list[FloatArray], dt: float, m: float, x: float, u: float,
     worth: float = 1.0,
 ) -> float:  # fmt: skip
-    """Loss of what columns leave of a force, (n,): as far as it moves a mass m within windows beyond the noise x of its
-    position, samples of which are ``worth`` so much, or as it stands out of the noise u of the force, what is less."""
-    left, by_force = _left(extra, v, columns, u)
-    total = 0.0
-    for part in np.array_split(np.arange(left.size), WINDOWS):
-        s: FloatArray = part.astype(np.float64) - float(part[0])
-        y = np.cumsum(np.cumsum(left[part])) * dt**2 / m
-        total += float(np.sum(_without(y, [np.ones(s.size), s]) ** 2))
-    return min(0.5 * total / x**2 * worth, by_force)
+    """Loss of what columns leave of a force, (n,), that moves a mass m: no estimator finds more in position and force.
+
+    The position has noise x, samples of which are ``worth`` so much, and the force noise u: what the equation of motion
+    leaves has the covariance of both, the position's differentiated twice. At rest friction is anything.
+    """
+    resting = np.abs(v) <= _RESTING * np.max(np.abs(v))
+    of_force = np.where(resting, np.max(np.abs(extra)), u)[1:-1] ** 2
+    second = (m * x / dt**2) ** 2 / worth
+    bands = second * np.array([6.0, -4.0, 1.0])[:, None] + np.stack((of_force, 0.0 * of_force, 0.0 * of_force))
+    table = np.column_stack([np.where(resting, 0.0, extra), *columns])[1:-1]
+    white = solve_banded((2, 0), cholesky_banded(bands, lower=True), table)
+    return 0.5 * float(np.sum(_without(white[:, 0], [*white[:, 1:].T]) ** 2))
+
+
+def unseen(u: FloatArray, every: int) -> float:
+    """Standard deviation of a force's mean from one sample to the next about what four samples tell of it by least
+    squares; u (m,) : at every tick, of which one in ``every`` is logged."""
+    told = u[::every]
+    mean = np.mean(u[: (told.size - 1) * every].reshape(-1, every), axis=1)
+    beside = [told[i : told.size - 3 + i] for i in range(4)]
+    return float(np.std(_without(mean[1 : told.size - 2], [np.ones(told.size - 3), *beside])))
 
 
 def laws_of(rig: Rig, p: FloatArray, tables: FloatArray) -> dict[str, float]:
@@ -408,10 +425,12 @@ def _joint(rng: Rng) -> Rig:
     b = np.array([inertia, c, inertia * omega**2, f_k, float(omega > 0.0)])
     channels = "xvu" if rng.random() < 0.5 else "xu"
     rig = Rig(JOINT, b, tick * every, (0.0, 0.0), (r, rv, ra), True, 4, (count,), gains, channels, every=every)
-    run = rig.run(BARE)
-    noise = float(np.std(run[:, 3])) * (_between(rng, 3e-4, 2e-2) if rng.random() < 0.6 else 0.0)
+    ticks = rig.ticks(b, BARE)
+    run = ticks[::every]
+    noise = float(np.std(run[:, 3])) * (_between(rng, 3e-4, 2e-2) if rng.random() < 0.6 else COMMANDED)
     sigma = count / math.sqrt(12.0), float(np.std(run[:, 1])) * _between(rng, 1e-3, 1e-2), noise
-    return replace(rig, sigma=sigma, count=count, zero=rng.uniform(-2.0, 2.0))
+    of_u = unseen(ticks[:, 3], every)
+    return replace(rig, sigma=sigma, count=count, zero=rng.uniform(-2.0, 2.0), unseen=of_u)
 
 
 STEP = 2.0 * math.pi / 4096
