@@ -25,21 +25,32 @@ class Log(NamedTuple):
     goal: FloatArray
 
 
-def logged(seed: int, seconds: float = 24.0, rate: float = 50.0) -> Log:
-    """Goal and position of a joint whose servo works in steps of 0.5 ms, by explicit Euler; friction stops it."""
+def logged(seed: int, seconds: float = 24.0, rate: float = 50.0, dead: float = 0.0, haste: float = 0.0) -> Log:
+    """Goal and position of a joint whose servo works in steps of 0.5 ms, by explicit Euler; friction stops it.
+
+    dead : error, rad, up to which it does nothing. haste : rad/s^2 by which its own goal takes its speed up and down.
+    """
     rng = np.random.default_rng(seed)
     t = np.arange(0.0, seconds, 1.0 / rate)
     waves = [(rng.uniform(0.1, 0.4), rng.uniform(0.5, 4.0), rng.uniform(0.0, 6.0)) for _ in range(3)]
     goal = np.sum([a * np.sin(w * t + p) for a, w, p in waves], axis=0)
     late, h = 0.01, 5e-4
     q, v = float(goal[0]), 0.0
+    wanted, pace = q, 0.0
     found: list[float] = []
     for i in range(round(t[-1] / h) + 1):
         now = i * h
         if now >= t[min(len(found), t.size - 1)] - 1e-9 and len(found) < t.size:
             found.append(q)
         sent = goal[max(int((now - late) * rate + 1e-9), 0)]
-        torque = STALL * VOLTS * min(max(GAIN * (sent - q), -1.0), 1.0) - (BRAKE + 0.04) * v - GRAVITY * np.sin(q)
+        if haste:
+            fast = np.sign(sent - wanted) * np.sqrt(2.0 * haste * abs(sent - wanted))
+            pace += min(max(fast - pace, -haste * h), haste * h)
+            wanted += pace * h
+        else:
+            wanted = sent
+        error = wanted - q if abs(wanted - q) > dead else 0.0
+        torque = STALL * VOLTS * min(max(GAIN * error, -1.0), 1.0) - (BRAKE + 0.04) * v - GRAVITY * np.sin(q)
         if v == 0.0 and abs(torque) <= F_K:
             continue
         side = np.sign(v) or np.sign(torque)
@@ -50,8 +61,8 @@ def logged(seed: int, seconds: float = 24.0, rate: float = 50.0) -> Log:
     return Log(t, seen, goal)
 
 
-def log_in(folder: Path) -> Path:
-    one = logged(1)
+def log_in(folder: Path, dead: float = 0.0, haste: float = 0.0) -> Path:
+    one = logged(1, dead=dead, haste=haste)
     table = np.column_stack((one.t, one.goal, one.q))
     np.savetxt(folder / "log.csv", table, "%.9g", ",", header="t,elbow.goal,elbow.position", comments="")
     return folder / "log.csv"
@@ -97,6 +108,15 @@ def test_goal_and_position_alone_are_understood_and_all_is_a_ratio_to_the_inerti
     whole, numbers = INERTIA + ARMATURE, {name: p.value for name, p in robot.servo.parameters.items()}
     assert numbers["f_k"] == pytest.approx(F_K / whole, rel=0.1)
     assert np.hypot(numbers["sine"] or 0.0, numbers["cosine"] or 0.0) == pytest.approx(GRAVITY / whole, rel=0.1)
+
+
+@pytest.mark.parametrize(("more", "name"), [({"dead": 0.02}, "dead-band"), ({"haste": 40.0}, "goal-speed-limit")])
+def test_what_a_servo_makes_of_its_goal_is_one_name_in_whatever_form(
+    more: dict[str, float], name: str, tmp_path: Path
+) -> None:
+    """Beyond its dead band a servo feels all of an error, and its goal's speed takes time to change."""
+    result = harness.diagnose_servo(log_in(tmp_path, **more))
+    assert [one.name for one in result.mechanisms] == [name]
 
 
 @pytest.mark.parametrize(

@@ -309,7 +309,8 @@ def _mean_square(parts: Sequence[ServoFit]) -> float:
 
 def _term(step: Step, best: ServoFit, scale: str) -> Mapping[str, Any]:
     numbers = quantities(best, scale)
-    new = {name: P.of(numbers[name]) for start in step.term.starts(step.found)[:1] for name in start}
+    own = step.term.numbers(step.found)
+    new = {name: P.of(number) for name, number in numbers.items() if name in own}
     return {
         "name": step.term.name,
         "said": step.term.said,

@@ -216,7 +216,7 @@ FORMS: dict[str, Form] = {
     "arm, a joint off its mark": Form(("zero-offset",), (ARM,), at.MARK, lambda s, rng: {at.MARK: 0.012}),
     "arm, a base out of level": Form(("tilt",), (ARM,), at.TILT, lambda s, rng: {at.TILT: 0.03}),
 }  # fmt: skip
-"""By a name in words. Among them none of the catalogue's own formulas but that of a delay."""
+"""By a name in words. Among them none of the catalogue's own formulas but those of a delay and of a goal's profile."""
 OF_MODEL = ("payload", "torque-delay", "zero-offset", "tilt")
 """Names that are of no joint."""
 NEEDS_BOTH = ("lag, delay", "lag, first order", "lag, second order", "accelerometer that saturates")

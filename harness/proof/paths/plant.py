@@ -351,10 +351,10 @@ def served(
             t = i * dt + tick * h
             sent = math.floor(goal[max(math.floor((t - servo[LATER]) / dt + 1e-9), 0)] / step + 0.5) * step
             if p[RAMP] != 0.0:
-                # a profile of a largest speed, taken up and left within a tenth of a second
+                # a profile of a largest speed, taken up and left within a tenth of a second, stopping in whole ticks
                 most = 1.0 / p[RAMP]
                 hard, off = 10.0 * most, sent - wanted
-                to = math.copysign(min(most, math.sqrt(2.0 * hard * abs(off))), off)
+                to = math.copysign(min(most, hard * (math.sqrt(h * h + 2.0 * abs(off) / hard) - h)), off)
                 pace += min(max(to - pace, -hard * h), hard * h)
                 wanted += pace * h
             else:

@@ -1,8 +1,8 @@
 """The free run of a joint under its servo, compiled: from goals and a first state to positions.
 
     (inertia + armature) q'' = tau - gravity(q) - c q' - friction
-    tau = stall V (1 - concave |duty|) duty - brake q',  |tau| <= most
-    duty = clip(kp (goal - q) - kd q', +-limit)
+    tau = stall V (1 - concave |duty|^p) duty - brake q',  |tau| <= most
+    duty = clip(kp e - kd q', +-limit),  e = goal - q, less beside a dead band
 
 Friction is Coulomb's, more at rest (Stribeck 1902, in the form of Bo and Pavelescu 1982), and grows with the torques
 that the gears carry (Duclusaud et al. 2024, arXiv 2410.08650). A step is semi-implicit: damping at its end, friction at
@@ -31,6 +31,9 @@ NAMES = (
         "most",
         "concave",
         "exponent",
+        "concave_power",
+        "dead_power",
+        "haste",
     ),
 )
 """Numbers of a run in the order of the kernel's array; their units are in harness.robot.servo.plant."""
@@ -60,6 +63,18 @@ def _slowed(v: float, most: float) -> float:
 slowed = compiled(_slowed)
 
 
+def _acting(error: float, dead: float, power: float) -> float:
+    """What of an error of position, rad, acts beside a dead band: what is beyond it, or with a power, the more abrupt
+    the higher, in the end all of it."""
+    if dead == 0.0 or power == 0.0:
+        return slowed(error, dead)
+    grown = math.pow(abs(error) / dead, power)
+    return error * grown / (1.0 + grown)
+
+
+acting = compiled(_acting)
+
+
 def _held(t: FloatArray, goal: FloatArray, at: int, begin: float, end: float) -> tuple[float, int]:
     """Mean of goals (n,), held from their times t (n,), s, over a span; and the last of them. at : the first."""
     total, done = 0.0, begin
@@ -74,11 +89,30 @@ def _held(t: FloatArray, goal: FloatArray, at: int, begin: float, end: float) ->
 held = compiled(_held)
 
 
+def _wanted(theta: FloatArray, h: float, goal: float, reached: float, pace: float) -> tuple[float, float]:
+    """Where the servo's own goal is a step later, rad, and its speed: at most ``ramp``, taken up and left by ``haste``.
+
+    Each is 0 where it bounds nothing. It stops in whole steps.
+    """
+    ramp, haste, off = theta[19], theta[25], goal - reached
+    if ramp == 0.0 and haste == 0.0:
+        return goal, 0.0
+    if haste == 0.0:
+        return min(max(goal, reached - ramp * h), reached + ramp * h), 0.0
+    fast = haste * (math.sqrt(h * h + 2.0 * abs(off) / haste) - h)
+    fast = math.copysign(min(fast, ramp) if ramp > 0.0 else fast, off)
+    pace += min(max(fast - pace, -haste * h), haste * h)
+    return reached + h * pace, pace
+
+
+wanted = compiled(_wanted)
+
+
 def _driven(theta: FloatArray, error: float, v: float, volts: float) -> tuple[float, float]:
     """The motor's torque as drive - drag v, N m and N m s/rad, at an error of position, rad."""
     kp, kd, limit, most = theta[1], theta[2], theta[3], theta[20]
     duty = kp * error - kd * v
-    gain = theta[0] * volts * (1.0 - theta[21] * min(abs(duty), limit))
+    gain = theta[0] * volts * (1.0 - theta[21] * min(abs(duty), limit) ** theta[23])
     drive, drag = gain * kp * error, theta[4] + gain * kd
     if abs(duty) > limit:
         drive, drag = gain * (limit if duty > 0.0 else -limit), theta[4]
@@ -155,14 +189,14 @@ def _free_run(
     inertia without the rotor, kg m^2, and gravity's torque as sine and cosine of the angle, N m. A goal acts ``delay``
     later, as its mean over a step, so that the run is smooth in it.
     """
-    delay, dead, play, zero, ramp = theta[13], theta[14], theta[15], theta[16], theta[19]
+    delay, dead, play, zero = theta[13], theta[14], theta[15], theta[16]
     state[0] -= zero
     state[2] -= zero
     out[0] = state[0] + zero
     at = begin
     while at > 0 and t[at] > t[begin] - delay:
         at -= 1
-    reached = goal[at]
+    reached, pace = goal[at], 0.0
     for i in range(1, out.size):
         k = begin + i - 1
         steps = max(math.ceil((t[k + 1] - t[k]) / STEP - 1e-9), 1)
@@ -171,11 +205,11 @@ def _free_run(
         for j in range(steps):
             now = t[k] + j * h - delay
             mean, at = held(t, goal, at, now, now + h)
-            reached = mean if ramp == 0.0 else min(max(mean, reached - ramp * h), reached + ramp * h)
+            reached, pace = wanted(theta, h, mean, reached, pace)
             q, v = state[0], state[1]
             drive, drag = 0.0, 0.0
             if on[k] != 0.0:
-                drive, drag = driven(theta, slowed(reached - zero - q, dead), v, volts[k])
+                drive, drag = driven(theta, acting(reached - zero - q, dead, theta[24]), v, volts[k])
             motor, outer = drive - drag * v, -(sine * math.sin(q) + cosine * math.cos(q))
             if play == 0.0:
                 state[0], state[1] = moved(theta, h, load[k, 0], q, v, motor, drive, drag + theta[6], outer)

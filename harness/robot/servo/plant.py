@@ -42,18 +42,23 @@ NUMBERS: Mapping[str, Number] = {
     "sine": Number("N m", 0.2, -np.inf),
     "cosine": Number("N m", 0.2, -np.inf),
     "ramp": Number("rad/s", 5.0, 0.05),
+    "haste": Number("rad/s^2", 100.0, 1.0),
     "most": Number("N m", 0.5, 1e-4),
     "concave": Number("1", 0.1, 0.0, 0.8),
     "exponent": Number("1", 1.0, 0.3, 4.0),
+    "concave_power": Number("1", 1.0, 1.0, 8.0),
+    "dead_power": Number("1", 1.0, 1.0, 8.0),
 }
 """stall : torque at rest a volt. gain : duty over the error of position and over the servo's own gain. kd : duty
 over speed. limit : of the duty. brake : of the motor's own voltage, while it drives (k_t^2/R). c : of the gears,
 or what is more than a given brake. f_k : dry friction at speed, f_s : more at rest, fading over v_s. load :
 friction over what the gears carry; of the motor's torque and of the load's, where they differ; load_rest : more
 of it at rest. delay : of goals. dead : error without effect. play : of the gears. zero : what the sensor shows at
-the model's zero. sine, cosine : of gravity without a model's. ramp : speed at which a goal moves at most. most :
-torque, by the current's limit. concave : share of the torque that is lost at full duty. exponent : of how
-friction at rest fades, 2 where it is not given."""
+the model's zero. sine, cosine : of gravity without a model's. ramp : speed at which a goal moves at most, haste :
+how fast it takes that up and leaves it. most : torque, by the current's limit. concave : share of the torque that
+is lost at full duty, by a power concave_power of the duty, 1 where it is not given. exponent : of how friction at
+rest fades, 2 where it is not given. dead_power : of the error e over a dead band d of which a share 1/(1 + (e/d)^p)
+is lost; where it is not given, all within and as much beyond."""
 GAUSSIAN = 2.0
 """Exponent of how friction at rest fades where nothing tells it."""
 _AT = {name: i for i, name in enumerate(NAMES)}
@@ -113,6 +118,7 @@ def numbers(values: Mapping[str, float], kp: float) -> FloatArray:
     """The kernel's array; what is not given is without effect. kp : the servo's own gain."""
     theta = np.zeros(len(NAMES))
     theta[_AT["limit"]], theta[_AT["v_s"]], theta[_AT["exponent"]] = np.inf, 0.1, GAUSSIAN
+    theta[_AT["concave_power"]] = 1.0
     for name, value in values.items():
         if name == "gain":
             theta[_AT["kp"]] = value * kp

@@ -85,11 +85,27 @@ TERMS = (
         "the current's limit bounds the torque",
         lambda f: [{"most": x * _strongest(f)} for x in (0.85, 0.6)],
     ),
-    Term("concave-drive", "torque grows less than the duty", lambda f: [{"concave": x} for x in (0.03, 0.15)]),
-    Term("gear-play", "the gears have play", lambda f: [{"play": x} for x in (0.005, 0.02)], needs=("link",)),
-    Term("dead-band", "small errors of position have no effect", lambda f: [{"dead": x} for x in (0.002, 0.01)]),
     Term(
-        "goal-speed-limit", "the servo's own goal moves at most so fast", lambda f: [{"ramp": 0.7 * _fastest_goal(f)}]
+        "concave-drive",
+        "torque grows less than the duty",
+        lambda f: [{"concave": x} for x in (0.03, 0.15)],
+        form=("concave_power", 2.0),
+    ),
+    Term("gear-play", "the gears have play", lambda f: [{"play": x} for x in (0.005, 0.02)], needs=("link",)),
+    Term(
+        "dead-band",
+        "small errors of position have no effect",
+        lambda f: [{"dead": x} for x in (0.002, 0.01)],
+        form=("dead_power", 2.0),
+    ),
+    Term(
+        "goal-speed-limit",
+        "the servo limits the speed of its own goal, or how fast that changes",
+        lambda f: [
+            {"ramp": 0.7 * _fastest_goal(f)},
+            *({"haste": _fastest_goal(f) / s, "ramp": 2.0 * _fastest_goal(f)} for s in (0.1, 0.01)),
+        ],
+        form=("haste", 100.0),
     ),
 )
 
