@@ -124,6 +124,7 @@ def smoothed_law(number: int, v: float, a: float, level: float, theta: FloatArra
     _end_stop_positive_free,
     _end_stop_negative_free,
     _backlash,
+    _backlash_free,
     _stiffness_drift,
     _stiffness_drift_free,
     _constant_force,
@@ -155,6 +156,7 @@ def smoothed_law(number: int, v: float, a: float, level: float, theta: FloatArra
     "end-stop:positive-free",
     "end-stop:negative-free",
     "backlash",
+    "backlash:free",
     "stiffness-drift",
     "stiffness-drift:free",
     "constant-force",
@@ -208,37 +210,41 @@ def smooth(number: int, x: float, v: float, t: float, theta: FloatArray, o: int,
     elif number == 16:
         _backlash(x, v, theta, o, out)
     elif number == 17:
-        _stiffness_drift(x, v, t, theta, o, out)
+        _backlash_free(x, v, theta, o, out)
     elif number == 18:
-        _stiffness_drift_free(x, v, t, theta, o, out)
+        _stiffness_drift(x, v, t, theta, o, out)
     elif number == 19:
-        _constant_force(x, v, theta, o, out)
+        _stiffness_drift_free(x, v, t, theta, o, out)
     elif number == 20:
-        _force_ripple(x, v, theta, o, out)
+        _constant_force(x, v, theta, o, out)
     elif number == 21:
-        _harmonic_force(x, v, t, theta, o, out)
+        _force_ripple(x, v, theta, o, out)
     elif number == 22:
-        _tabulated_stiffness(x, v, theta, o, out)
+        _harmonic_force(x, v, t, theta, o, out)
     elif number == 23:
-        _tabulated_friction(x, v, theta, o, out)
+        _tabulated_stiffness(x, v, theta, o, out)
     elif number == 24:
-        _tabulated_friction_forward(x, v, theta, o, out)
+        _tabulated_friction(x, v, theta, o, out)
     elif number == 25:
-        _tabulated_friction_backward(x, v, theta, o, out)
+        _tabulated_friction_forward(x, v, theta, o, out)
     elif number == 26:
-        _tabulated_force(x, v, theta, o, out)
+        _tabulated_friction_backward(x, v, theta, o, out)
     elif number == 27:
-        _given_force(x, v, t, theta, o, out)
+        _tabulated_force(x, v, theta, o, out)
     elif number == 28:
+        _given_force(x, v, t, theta, o, out)
+    elif number == 29:
         _given_damping(x, v, t, theta, o, out)
 
 
 (
     _viscoelastic,
+    _viscoelastic_free,
     _attached_mode,
 ) = laws(
     INTERNAL,
     "viscoelastic",
+    "viscoelastic:free",
     "attached-mode",
 )
 
@@ -249,4 +255,6 @@ def internal(number: int, x: float, v: float, w0: float, w1: float, theta: Float
     if number == 0:
         _viscoelastic(x, v, w0, w1, theta, o, out)
     elif number == 1:
+        _viscoelastic_free(x, v, w0, w1, theta, o, out)
+    elif number == 2:
         _attached_mode(x, v, w0, w1, theta, o, out)

@@ -42,7 +42,9 @@ def of_search(found: Search) -> tuple[Hypothesis, ...]:
     gain = _gain(found)
     best: dict[tuple[str, ...], float] = {(): gain(found.base)}
     ceiling = gain(found.chosen) if found.by_force else math.inf
-    fitted = [(key_of(one), min(gain(one), ceiling)) for one in (*found.singles, *found.rivals, found.chosen)]
+    # a law that is bent beyond its name says nothing of that
+    others = (one for one in (*found.singles, *found.rivals) if one.explains_as_named)
+    fitted = [(key_of(one), min(gain(one), ceiling)) for one in (*others, found.chosen)]
     chance = _by_chance([(0, best[()]), *((len(names), size) for names, size in fitted)], found.problem.spare)
     for names, size in fitted:
         own = size - 2.0 * len(names) * math.log(NAMES) - chance[len(names)]

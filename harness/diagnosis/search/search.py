@@ -216,7 +216,7 @@ def _search(problem: P, base: Fit, scales: Scales, renew: Renew[P], alone: Step)
         chosen, rivals = _simplest(found, under(chosen, problem), second, problem), found
         left = left_by(chosen, problem, scales.omega, base)
         beam = list(found[:2])
-    rivals = _in_their_best_form(chosen, rivals, problem, scales) if left is Left.NOISE else rivals
+    chosen, rivals = _beside_rivals(chosen, rivals, problem, scales) if left is Left.NOISE else (chosen, rivals)
     # beside a push, which is the same either way, the form of a law of friction is found as it is alone
     pushed = any(entry.term.push is not None for entry in chosen.model.terms)
     if left is Left.STRUCTURE and pushed and not problem.moves and len(chosen.model.terms) == 2:
@@ -249,13 +249,18 @@ def _with_free_form(
     return both[0], both, Left.NOISE
 
 
-def _in_their_best_form(chosen: Fit, rivals: tuple[Fit, ...], problem: Problem, scales: Scales) -> tuple[Fit, ...]:
-    """Rivals of a lone law, the nearest of other names in a form that fits as well: a formula does not say which it is.
+def _beside_rivals(
+    chosen: Fit, rivals: tuple[Fit, ...], problem: Problem, scales: Scales
+) -> tuple[Fit, tuple[Fit, ...]]:
+    """A lone law and its rivals, the nearest of other names in a form that fits as well: a formula does not say which
+    it is.
 
-    What fits less well in any form stays as the catalogue has it.
+    What fits less well in any form stays as the catalogue has it. What is bent beyond its name gives way where another
+    says as much within its own: the two are one function there, as a stop on both sides that acts from near the middle
+    on is play.
     """
     if len(chosen.model.terms) != 1 or not problem.moves:
-        return rivals
+        return chosen, rivals
     own, least = key_of(chosen), among_names(chosen, problem) + DECISIVE.value
     nearest = [f for f in in_turn(rivals, problem) if f.model.terms and key_of(f) != own][:_FREED]
 
@@ -265,7 +270,14 @@ def _in_their_best_form(chosen: Fit, rivals: tuple[Fit, ...], problem: Problem, 
         bent = [f for f in forms(one, problem, scales) if among_names(f, problem) < least]
         return min((one, *bent), key=lambda f: among_names(f, problem))
 
-    return in_turn([best(one) for one in rivals], problem)
+    rivals = in_turn([best(one) for one in rivals], problem)
+    alike = [f for f in (chosen, *rivals) if f.model.terms and among_names(f, problem) < least]
+    named = sorted((f for f in alike if f.explains_as_named), key=lambda f: among_names(f, problem))
+    if not named:
+        return chosen, rivals
+    beyond = [f for f in alike if not f.explains_as_named]
+    best_named = chosen if chosen.explains_as_named else named[0]
+    return best_named, tuple(f for f in rivals if all(f is not one for one in beyond))
 
 
 def less_each(chosen: Fit, fitted: Sequence[Fit | None], searched: Sequence[Fit]) -> tuple[Fit | None, ...]:

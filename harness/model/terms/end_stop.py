@@ -43,9 +43,21 @@ def probes(e: Evidence) -> list[Probe]:
     return [(fraction * e.x_scale, 0.0) for fraction in (0.35, 0.5, 0.62, 0.74, 0.82, 0.89, 0.95)]
 
 
-def at_an_end(values: Probe, extent: Extent) -> bool:
-    """What acts over more than half of the way to an end is the spring's shape, unless its corner is seen."""
-    return extent.explains or values[0] >= 0.5 * extent.reach
+_PLAY = 0.2
+"""Share of the way to both ends below which a spring that is softer before is one with play."""
+
+
+def at_an_end(values: Probe, extent: Extent, least: float = 0.0) -> bool:
+    """What acts over more than half of the way to an end is the spring's shape, unless its corner is seen.
+
+    least : share of the way below which no corner makes it a stop.
+    """
+    return values[0] >= (least if extent.explains else 0.5) * extent.reach
+
+
+def at_both_ends(values: Probe, extent: Extent) -> bool:
+    """The same; but what acts on both sides from near the middle on leaves a softer middle: play."""
+    return at_an_end(values, extent, _PLAY)
 
 
 def _stop(variant: str, side: str, law: Callable[..., None], sides: tuple[int, ...]) -> Term:
@@ -77,7 +89,7 @@ def _stop(variant: str, side: str, law: Callable[..., None], sides: tuple[int, .
         example=(0.53, 200.0),
         corner=True,
         place=place,
-        as_named=at_an_end,
+        as_named=at_both_ends if len(sides) == 2 else at_an_end,
         elements=made_of,
         told_from={"stiffness-drift": LARGER},
         order=160,

@@ -9,11 +9,26 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from harness.core.arrays import FloatArray
 from harness.core.jit import lean
-from harness.model.law import D_FREE, D_LEVEL, D_PARAMETER, D_STIFFNESS, D_T, D_V, D_X, KINETIC, STIFFNESS, VALUE
-from harness.model.term import Extent, FreedFrom, Parameter, Probe, Term
+from harness.model.law import (
+    D_FREE,
+    D_INTERNAL,
+    D_LEVEL,
+    D_PARAMETER,
+    D_STIFFNESS,
+    D_T,
+    D_V,
+    D_X,
+    KINETIC,
+    STIFFNESS,
+    VALUE,
+)
+from harness.model.term import Extent, FreedFrom, History, Parameter, Probe, States, Term
 from harness.model.terms import (
+    backlash,
     cubic_stiffness,
     end_stop,
     friction_drift,
@@ -22,6 +37,7 @@ from harness.model.terms import (
     regularised_friction,
     stiffness_drift,
     stribeck,
+    viscoelastic,
 )
 
 
@@ -161,6 +177,50 @@ def law_stop_both(x: float, v: float, theta: FloatArray, o: int, out: FloatArray
         push(abs(x) - theta[o], 1.0 if x > 0.0 else -1.0, theta, o, out)
 
 
+def law_play(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """-share k clip(x, -gap, gap): softer by a share of the spring within the gap."""
+    gap, share, k = theta[o], theta[o + 1], theta[STIFFNESS]
+    within = -gap < x < gap
+    clipped = min(max(x, -gap), gap)
+    out[VALUE] = -share * k * clipped
+    out[D_X] = -share * k if within else 0.0
+    out[D_STIFFNESS] = -share * clipped
+    out[D_PARAMETER] = 0.0 if within else (-share * k if x > 0.0 else share * k)
+    out[D_PARAMETER + 1] = -k * clipped
+
+
+def law_relaxing(x: float, v: float, w0: float, w1: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """Row 0: force k_m (y_1 + y_2)/2 on the left. Rows 1 and 2: y' = v - y/tau_i, tau/sqrt(spread) and times it."""
+    k_m, tau, spread = theta[o], theta[o + 1], theta[o + 2]
+    root = math.sqrt(spread)
+    out[0, VALUE] = 0.5 * k_m * (w0 + w1)
+    out[0, D_PARAMETER] = 0.5 * (w0 + w1)
+    out[0, D_INTERNAL] = 0.5 * k_m
+    out[0, D_INTERNAL + 1] = 0.5 * k_m
+    out[1, VALUE] = v - w0 * root / tau
+    out[1, D_V] = 1.0
+    out[1, D_PARAMETER + 1] = w0 * root / (tau * tau)
+    out[1, D_PARAMETER + 2] = -0.5 * w0 / (root * tau)
+    out[1, D_INTERNAL] = -root / tau
+    out[2, VALUE] = v - w1 / (tau * root)
+    out[2, D_V] = 1.0
+    out[2, D_PARAMETER + 1] = w1 / (tau * tau * root)
+    out[2, D_PARAMETER + 2] = 0.5 * w1 / (tau * root * spread)
+    out[2, D_INTERNAL + 1] = -1.0 / (tau * root)
+
+
+def _stretched(values: Probe, motion: History) -> States:
+    """Both branches as the recorded speed has left them, relaxed at first."""
+    k_m, tau, spread = values
+    root = math.sqrt(spread)
+    one, other = (viscoelastic.stretched((k_m, each), motion) for each in (tau / root, tau * root))
+    by = np.column_stack((one.by[1], other.by[1]))
+    return States(
+        np.column_stack((one.values, other.values)),
+        {1: by * (1.0 / root, root), 2: by * (-0.5 * tau / (root * spread), 0.5 * tau / root)},
+    )
+
+
 @lean
 def passed_by(t: float, b: float) -> tuple[float, float]:
     """(1 - exp(-b t))/b, s, and its partial by b."""
@@ -250,6 +310,11 @@ def _bends(values: Probe, extent: Extent) -> bool:
     return values[2] >= _KNEE * extent.speed
 
 
+def _in_the_middle(values: Probe, extent: Extent) -> bool:
+    """What is stiffer nearer to an end than to the middle is a stop."""
+    return values[0] <= 0.5 * extent.reach
+
+
 def _slowing(values: Probe, span: float, speed: float) -> list[Probe]:
     """At the same pace all along, and three times as fast at first."""
     return [(*values, 0.0), (3.0 * values[0], 3.0 / span)]
@@ -291,6 +356,18 @@ KNEE = _of(
     example=(0.8, 0.3, 0.2), words=_bends_as, as_named=_bends, variant="free-knee",
     parameters=(Parameter("c_p", "N", 0.0, none=0.0), Parameter("roundness", "1", -1.0, 3.0)),
     sentence="Damping saturates above a speed v_0, {form}: c_p = {c_p}",
+)  # fmt: skip
+PLAY = _of(
+    backlash.TERM, law_play, Parameter("share", "1", 0.0, 1.0, none=0.0),
+    lambda values, span, speed: [(n * values[0], 1.0 / n) for n in (2.0, 8.0)],
+    example=(0.1, 0.4), as_named=_in_the_middle,
+    sentence="Play that is held softly: the spring is softer within {gap} either side of the middle",
+)  # fmt: skip
+RELAXING = _of(
+    viscoelastic.TERM, law_relaxing, Parameter("spread", "1", 1.0, 1e3),
+    lambda values, span, speed: [(values[0], values[1], n) for n in (3.0, 20.0)],
+    example=(30.0, 0.1, 5.0), internal=2, implied=_stretched,
+    sentence="Two viscoelastic (Maxwell) branches relax, about {tau}, one so many times slower: k_m = {k_m}",
 )  # fmt: skip
 DRAG = _of(
     quadratic_drag.TERM, law_drag, Parameter("exponent", "1", 1.2, 5.0), _from(2.0), example=(0.2, 2.6),
