@@ -40,7 +40,7 @@ _STEP = 0.002
 _NEAR_FLOOR = 1.5
 """rms over the floor up to which nothing is left."""
 _MAIN = 0.8
-"""Error of what was held out, after over before, from which on a term is no main one."""
+"""Error of what was held out, after over before, from which on a term is no main one, nor claimed beside another."""
 _ENGINES = {"mujoco": in_mujoco, "pybullet": in_pybullet}
 
 
@@ -339,9 +339,10 @@ def _grade(steps: Sequence[Step], place: int, clean: bool) -> str:
     before, after = steps[place].held_out
     if place == 0 and _ties(steps):
         return "one-of"
+    much = not math.isfinite(before) or after < _MAIN * before
     if clean:
-        return "explains"
-    return "main" if place == 0 and (not math.isfinite(before) or after < _MAIN * before) else "minor"
+        return "explains" if place == 0 or much else "minor"
+    return "main" if place == 0 and much else "minor"
 
 
 def _tied(term: Term, gain: float, span: list[list[float]]) -> Mapping[str, Any]:
