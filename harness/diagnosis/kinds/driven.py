@@ -24,7 +24,7 @@ from harness.diagnosis.prepare.intersample import ACTS_HELD
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.driven import Driven
 from harness.diagnosis.residual_tests.structure import Left, left_by
-from harness.diagnosis.rules import AMONG_NAMES, FOLLOWED, FORCE_HELD
+from harness.diagnosis.rules import AMONG_NAMES, DECISIVE, FOLLOWED, FORCE_HELD
 from harness.diagnosis.search.extend import Step, extend, settle
 from harness.diagnosis.search.search import Again, Search, freed, noise_of, once, search, under
 from harness.diagnosis.stages import Based, Found
@@ -108,8 +108,7 @@ class DrivenRecordings(Kind[Driven]):
         with suppress(SimulationError):
             quiet = self._followed(replace(based.whole.as_recorded, force_noise=None, otherwise=()))
             alone = _alone(quiet)
-            beside = [unlikely(based.fit, based.problem), *(_with_its_noise(one, based) for one in noisy.fits[:1])]
-            least = min(beside) - AMONG_NAMES.value
+            least = min(_with_its_noise(one, based) for one in (based.fit, *noisy.fits[:1])) - DECISIVE.value
             if alone.fits and any(_with_its_noise(one, quiet) < least for one in _forms(alone.fits[0], quiet)):
                 return quiet, alone
         return None
@@ -200,9 +199,9 @@ def _forms(law: Fit, based: Based[Driven]) -> Iterator[Fit]:
 
 
 def _with_its_noise(found: Fit, based: Based[Driven]) -> float:
-    """-2 log L of a fit under the noise that it leaves."""
+    """BIC of a fit under the noise that it leaves, and each of its names one of many."""
     own = replace(based.problem, noise=noise_of(found, based.problem, based.scales.omega))
-    return unlikely(found, own)
+    return _likely(found, own)
 
 
 def _quieter(based: Based[Driven], alone: Step) -> tuple[Based[Driven], Step]:

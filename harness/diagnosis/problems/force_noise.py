@@ -164,6 +164,8 @@ carry = compiled(_carry)
 
 _QUIETER = tuple(2.0 ** (-0.25 * i) for i in range(17))
 """Shares of a sensor's noise that may be its own beside a noisy force: each a sixth less than the last."""
+_MEMORY = 1.0, 0.75, 0.5, 0.25, 0.0
+"""Shares of its lag-one correlation."""
 
 FAR = 5.0
 """Standard deviations beyond which a sample says no more: it may be on the other side of a jump."""
@@ -215,11 +217,19 @@ class ForceNoise:
 
     def sensors(self, t: FloatArray, noise: Mapping[str, Noise], weight: Mapping[str, FloatArray],
                 values: Mapping[str, FloatArray]) -> dict[str, Noise]:  # fmt: skip
-        """Noise of sensors, likeliest of residuals (n,) at t; no more than ``noise`` nor less than a rounding."""
+        """Noise of sensors, likeliest of residuals (n,) at t; no more than ``noise`` nor less than a rounding.
+
+        What the force's noise does lasts, and was taken for a memory of the sensor: it has no more than was told.
+        """
         found = dict(noise)
         for c, most in noise.items():
             rounding = most.step / math.sqrt(12.0)
-            levels = [replace(most, sigma=one * most.sigma) for one in _QUIETER if one * most.sigma >= rounding]
+            levels = [
+                replace(most, sigma=one * most.sigma, phi=phi)
+                for phi in (share * most.phi for share in (_MEMORY if most.phi else (1.0,)))
+                for one in _QUIETER
+                if one * most.sigma >= rounding
+            ]
             by = [self.unlikely(t, {**found, c: one}, weight, values) for one in levels]
             found[c] = levels[int(np.argmin(by))] if most.found and levels else most
         return found
