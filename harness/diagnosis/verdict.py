@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from harness.diagnosis.baseline.words import evidence, few_words, strokes_of, words_of
 from harness.diagnosis.fit.model_fit import Fit, LawNumber, of_laws
-from harness.diagnosis.grading.clocks import unresolved
+from harness.diagnosis.grading.clocks import beat, unresolved
 from harness.diagnosis.grading.contest import Contest
 from harness.diagnosis.grading.lone import next_best, stand_ins, undecided
 from harness.diagnosis.grading.posterior import of_search, probability
@@ -92,7 +92,8 @@ def weighed(found: Search, omega: float) -> Search:
         return found
     problem, base, chosen = found.problem, found.base, found.chosen
     nothing_told = any(map(_tells_nothing, of_laws(chosen)))
-    if not chosen.explains_as_named or unresolved(terms, omega, problem.duration) or nothing_told:
+    in_time = unresolved(terms, beat(base, problem, omega), problem.duration)
+    if not chosen.explains_as_named or in_time or nothing_told:
         return replace(found, chosen=base, left=Left.STRUCTURE, without=())
     if len(terms) < 2:
         return found

@@ -15,7 +15,7 @@ from harness.diagnosis.baseline.words import Strokes
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.place import place_of
 from harness.diagnosis.fit.standard_errors import AT_LEAST, term_parameters
-from harness.diagnosis.grading.clocks import on_the_swing
+from harness.diagnosis.grading.clocks import beat, on_the_swing
 from harness.diagnosis.grading.contest import Finalist
 from harness.diagnosis.grading.grade import Graded
 from harness.diagnosis.grading.lone import next_best, stand_ins
@@ -79,8 +79,9 @@ def left_without(found: Search, index: int) -> Fit:
 def _alternatives(found: Search, entry: ModelTerm, omega: float) -> tuple[Alternative, ...]:
     """Names that could stand in a term's place; a clock on the swing follows any other, and comes last."""
     listed: list[tuple[bool, float, str]] = []
+    rate = beat(found.base, found.problem, omega)
     for name, rival in stand_ins(found, entry):
-        clock = any(on_the_swing(e, omega, found.problem.duration) for e in rival.model.terms)
+        clock = any(on_the_swing(e, rate, found.problem.duration) for e in rival.model.terms)
         listed.append((clock, rival.bic - found.chosen.bic, name))
     return tuple(Alternative(name, delta) for _, delta, name in sorted(listed)[: MOST_LISTED.count - 1])
 

@@ -6,7 +6,11 @@ A resonator is a clock too, at its own frequency: shaken on the swing it answers
 import math
 from collections.abc import Sequence
 
-from harness.diagnosis.rules import SAME_CLOCK
+import numpy as np
+
+from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.problem import Problem
+from harness.diagnosis.rules import BEAT, SAME_CLOCK
 from harness.model.model import ModelTerm
 from harness.model.term import Slot
 
@@ -14,6 +18,33 @@ _RESONATOR, _DAMPED = "omega_2", "zeta_2"
 """Of a mass that rides on the slider: its frequency, and its damping, half its band over that."""
 _MULTIPLES = range(5)
 """Of the motion's frequency; the first is none, which a clock slower than the recording cannot be told from."""
+
+
+_LONGEST = 2.0
+"""Times a motion's period within which it repeats itself, if it does."""
+
+
+def beat(base: Fit, problem: Problem, omega: float) -> float:
+    """Rate (rad/s) with which a clock keeps time: a free motion's own, that at which a driven one repeats itself, or 0.
+
+    What moves as it is told to, now so and now so, no clock follows. omega : of the motion, rad/s, about.
+    """
+    if problem.drive is None or omega == 0.0:
+        return omega
+    t = np.linspace(problem.t[0], problem.t[-1], problem.t.size)
+    v = np.interp(t, problem.t, base.shown.v)
+    # over as many samples again that are none, so that the end does not meet the beginning
+    power = np.abs(np.fft.rfft(v, 2 * v.size)) ** 2
+    alike = np.fft.irfft(power)[: v.size]
+    square = np.cumsum(v**2)
+    both = square[::-1] + square[-1] - np.concatenate(([0.0], square[:-1]))
+    alike *= 2.0 / np.maximum(both, 1e-300)
+    period = 2.0 * math.pi / omega / float(t[1] - t[0])
+    near = slice(int(0.5 * period), min(int(_LONGEST * period), v.size // 2) + 1)
+    if alike[near].size == 0:
+        return omega
+    most = near.start + int(np.argmax(alike[near]))
+    return 2.0 * math.pi / float(t[most] - t[0]) if alike[most] > BEAT.value else 0.0
 
 
 def on_the_swing(entry: ModelTerm, omega: float, span: float) -> bool:
@@ -66,4 +97,9 @@ def _clocks(entries: Sequence[ModelTerm]) -> list[float]:
 
 def _one(first: float, second: float, span: float) -> bool:
     """Whether a recording of ``span`` s cannot tell two rates (rad/s) apart."""
-    return abs(first - second) < SAME_CLOCK.value * 2.0 * math.pi / span
+    return abs(first - second) < _apart(span)
+
+
+def _apart(span: float) -> float:
+    """Least difference, rad/s, of two rates that a recording of ``span`` s tells apart."""
+    return SAME_CLOCK.value * 2.0 * math.pi / span

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from harness.core.cores import each
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.standard_errors import loosest
-from harness.diagnosis.grading.clocks import on_the_swing
+from harness.diagnosis.grading.clocks import beat, on_the_swing
 from harness.diagnosis.grading.contest import Contest, Finalist, decided, shown_as_part
 from harness.diagnosis.grading.friction_split import resplit
 from harness.diagnosis.grading.misfit import Misfit
@@ -87,7 +87,7 @@ def ranked(misfit: Misfit, begun: Sequence[Model] = ()) -> list[Finalist]:
     noise = misfit.noise_left(min(fits, key=lambda f: f.chi2))
     excess = base.chi2 - misfit.floor(noise)
     cells = cells_of(starting_evidence(base, problem, scales))
-    span = problem.duration
+    span, rate = problem.duration, beat(base, problem, scales.omega)
     best: dict[str, Finalist] = {}
     for one in fits:
         entry = one.model.terms[-1]
@@ -98,7 +98,7 @@ def ranked(misfit: Misfit, begun: Sequence[Model] = ()) -> list[Finalist]:
             one,
             misfit.evidence_of(one, noise, easily * cells[entry.term.name]),
             min(taken / excess, 1.0) if excess > 0.0 else 0.0,
-            on_the_swing(entry, scales.omega, span),
+            on_the_swing(entry, rate, span),
         )
         if entry.term.name not in best or found.gain > best[entry.term.name].gain:
             best[entry.term.name] = found
