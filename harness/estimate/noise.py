@@ -22,6 +22,8 @@ _ENOUGH = 200_000
 _PARTS = 1000
 _PERIOD_SHARE = 0.12
 _LONGEST = 48
+_SHORTEST = 8, 6
+"""Samples of the shortest windows, and the degree of their polynomials."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -250,10 +252,10 @@ def channel_noise(t: FloatArray, y: FloatArray, period: float | None = None, res
     Jumps in fewer than half of the windows do no harm. Levels below 1e-5 of the channel's rms count as none found.
     """
     interval = float(np.median(np.diff(t)))
-    width, degree = 8, 6
+    width, degree = _SHORTEST
     if period is not None:
         width = min(int(_PERIOD_SHARE * period / interval), _LONGEST)
-        width, degree = (width, 5) if width >= 12 else (8, 6)
+        width, degree = (width, 5) if width >= 12 else _SHORTEST
     every = max(y.size // _ENOUGH, 1)
     windows = _window_residuals(t, y, width, degree, every)
     windows = windows if rests else windows[_moving(y, width, every)]
@@ -272,3 +274,24 @@ def channel_noise(t: FloatArray, y: FloatArray, period: float | None = None, res
     rms = float(np.std(y))
     floor = FLOOR * rms if rms > 0.0 else np.finfo(float).tiny
     return Noise(sigma, True, phi, step) if sigma > floor else Noise(floor, False)
+
+
+_COLOURED = 24
+"""Samples of windows that show a colour: of shorter ones a polynomial leaves the fast part alone."""
+_ALIKE = 1.25
+"""Factor within which the fast part of a coloured noise is what shorter windows leave; that of a bend is larger."""
+
+
+def with_colour(t: FloatArray, y: FloatArray, noise: Noise) -> Noise:
+    """The noise of a channel y (n,) at t (n,), s, with the colour that longer windows show of it.
+
+    noise : as the shortest windows tell it, white; it stays where the longer ones hold more than noise.
+    """
+    if not noise.found or noise.phi != 0.0 or rounded(noise.sigma**2, noise.step):
+        return noise
+    interval = float(np.median(np.diff(t)))
+    seen = channel_noise(t, y, (_COLOURED + 0.5) / _PERIOD_SHARE * interval)
+    if seen.phi <= 0.0:
+        return noise
+    fast = seen.sigma * math.sqrt(float(_expected(*_SHORTEST, np.array([seen.phi]))[0][0]))
+    return seen if 1.0 / _ALIKE < fast / noise.sigma < _ALIKE else noise

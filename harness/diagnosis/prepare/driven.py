@@ -26,7 +26,7 @@ from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import DECISIVE, FORCE_HELD
 from harness.diagnosis.smoothed_state.state import Course, inverse_start, told_by
 from harness.diagnosis.starts import OneStart, Windows
-from harness.estimate.noise import Noise, channel_noise, white_at_most
+from harness.estimate.noise import Noise, channel_noise, white_at_most, with_colour
 from harness.estimate.readings import words
 from harness.estimate.rest import quiet_at_rest
 from harness.estimate.saturation import within_range
@@ -91,7 +91,7 @@ def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course, tuple[str
     for c, off in stray.items():
         # what the neighbours say, without weight, so that samples stay evenly spaced
         channels[c] = channels[c] - off
-    noise = {c: channel_noise(t, y) for c, y in channels.items()}
+    noise = {c: with_colour(t, y, channel_noise(t, y)) for c, y in channels.items()}
     if all(float(np.std(y)) < _MOVES * noise[c].sigma for c, y in channels.items()):
         seen = ", ".join(f"{c} to {noise[c].sigma:.3g}" for c in channels)
         raise InputError(where, f"a slider that does not move beyond its noise ({seen})", "a driven motion")
