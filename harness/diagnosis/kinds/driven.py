@@ -210,14 +210,16 @@ def _quieter(based: Based[Driven], alone: Step) -> tuple[Based[Driven], Step]:
     Noise that stands for what a law leaves out carries the motion along as that does, and hides it.
     """
     problem, scales = based.problem, based.scales
-    force, least = problem.force_noise, unlikely(based.fit, problem)
+    force, least = problem.force_noise, _likely(based.fit, problem)
     if force is None or not force.noise.found or np.any(force.start):
         return based, alone
     less: Driven | None = None
     for law in alone.fits[:_ASKED]:
         with suppress(SimulationError):
             seen, again = along(law, problem, scales)
-            by = unlikely(again, seen) + AMONG_NAMES.value
+            by = _likely(again, seen)
+            # the level that is taken is not the base model's likeliest, and no law is needed for that
+            least = min(least, _likely(under(based.fit, seen), seen))
             if by < least and (seen.force_noise is None or seen.force_noise.noise.sigma < force.noise.sigma):
                 less, least = seen, by
     if less is None:
