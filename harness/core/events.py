@@ -70,13 +70,14 @@ class Events:
 
     def of(self, *kinds: EventKind) -> "Events":
         """Only the events of these kinds."""
-        return self._kept(np.isin(self.kind, [int(k) for k in kinds]))
+        return self.where(np.isin(self.kind, [int(k) for k in kinds]))
 
     def between(self, low: float, high: float) -> "Events":
         """Only the events from ``low`` to ``high``, s."""
-        return self._kept((self.t >= low) & (self.t <= high))
+        return self.where((self.t >= low) & (self.t <= high))
 
-    def _kept(self, keep: BoolArray) -> "Events":
+    def where(self, keep: BoolArray) -> "Events":
+        """Only those that keep (n,) says."""
         return Events(self.t[keep], self.kind[keep], self.x[keep], self.a_before[keep], self.a_after[keep])
 
 

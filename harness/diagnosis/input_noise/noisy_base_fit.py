@@ -64,9 +64,9 @@ def traced(problem: Driven, found: Fit, scales: Scales) -> Driven:
     moved = isinstance(problem.starts, Windows)
     shown = observe(found.model, problem, (), scales) if moved else found.shown
     start = known.start[np.searchsorted(known.t, problem.t)]
-    told, held = known.as_told(), problem.drive.held
+    told = known.as_told()
     unknown = problem.unknown * between(problem, told)
-    force = force_noise(found.model, shown, problem.t, told, problem.noise, start, held=held, between=unknown)
+    force = force_noise(found.model, shown, problem.t, told, problem.noise, start, drive=problem.drive, between=unknown)
     force = None if force is None else as_it_shows(force, problem, shown)
     return replace(problem, force_noise=force if force is None else replace(force, beyond=known.beyond))
 

@@ -19,6 +19,7 @@ from harness.diagnosis.problem import Observation, Problem, apart
 from harness.diagnosis.problems.force_noise import ForceNoise
 from harness.diagnosis.rules import DECISIVE
 from harness.estimate.noise import Noise
+from harness.kernels.solve import Drive
 from harness.model.model import Model, Restoring
 
 _SHOWS = 0.01
@@ -31,6 +32,8 @@ _BENT = 3
 """Samples that tell how a force bends; as many neighbours share it."""
 _UNKNOWN = (1.0, 0.5, 0.25)
 """Shares of that which may not be known: a quarter is what a smooth force departs from its line."""
+_NEARLY = 3.0
+"""Deviations of a force's noise within which of breaking away a slider is not sure to rest."""
 _SERIES = 5
 """Terms of the exponential of a step: the next is 1/720 at a step of one radian."""
 _PLACED, _PLACED_EXACTLY = 0.1, 1e-3
@@ -40,21 +43,26 @@ _REVERSAL, _STICK, _BREAK_AWAY = int(EventKind.REVERSAL), int(EventKind.STICK), 
 
 def force_noise(
     model: Model, shown: Observation, t: FloatArray, force: Noise, noise: Mapping[str, Noise],
-    start: FloatArray | None = None, *, held: bool = False, between: FloatArray | None = None,
+    start: FloatArray | None = None, *, drive: Drive | None = None, between: FloatArray | None = None,
 ) -> ForceNoise | None:  # fmt: skip
     """What the noise of a force does to a recording at t (n,), s, that ``model`` follows as shown; None if nothing.
 
-    noise : of the channels. held : whether the force is, between samples. start (n, 2) : how little is known of
-    position and speed where the motion is followed anew.
+    noise : of the channels. drive : the force, straight between samples if it is not told. start (n, 2) : how little is
+    known of position and speed where the motion is followed anew.
     """
+    held = drive is not None and drive.held
     anew = np.zeros((t.size, 2)) if start is None else start
     unknown = np.zeros(t.size) if between is None else between
     if not force.found and not np.any(anew) and not np.any(unknown):
         return None
     bend = np.cos(shown.x) if model.restoring is Restoring.PENDULUM else np.ones(t.size)
     pull, drag, push = model.k / model.m * bend, model.c / model.m, 1.0 / model.m
-    slips = shown.mode != Mode.STICK
-    events = shown.events
+    slips, events = shown.mode != Mode.STICK, shown.events
+    times = np.ones(t.size)
+    if drive is not None and force.found:
+        nearly = _nearly_slips(model, shown, drive.at(t), force.sigma)
+        slips, times[nearly] = slips | nearly, _NEARLY
+        events = _surely_at_rest(events, t, slips)
     turns = events.kind == EventKind.REVERSAL
     share = np.zeros(len(events))
     share[turns] = events.a_after[turns] / np.where(events.a_before[turns] == 0.0, math.inf, events.a_before[turns])
@@ -63,7 +71,17 @@ def force_noise(
     # what went before tells nothing of a new start
     moves[np.flatnonzero(np.any(anew[1:] > 0.0, axis=1))] = 0.0
     found = ForceNoise(
-        t, force, moves, pull, drag, push, slips, np.zeros((t.size, 4)), np.zeros((t.size, 2)), between=unknown
+        t,
+        force,
+        moves,
+        pull,
+        drag,
+        push,
+        slips,
+        np.zeros((t.size, 4)),
+        np.zeros((t.size, 2)),
+        between=unknown,
+        times=times,
     )
     if not ((force.found or np.any(unknown)) and _shows(found, noise)):
         if not np.any(anew):
@@ -71,6 +89,26 @@ def force_noise(
         found = replace(found, noise=replace(force, sigma=0.0, found=False))
     placed = _PLACED if found.noise.found else _PLACED_EXACTLY
     return replace(found, start=anew, jumps=_jumps(t, events, placed))
+
+
+def _nearly_slips(model: Model, shown: Observation, u: FloatArray, sigma: float) -> BoolArray:
+    """Where (n,) a slider rests that noise of its force u (n,), N, may have stopped or may move.
+
+    The most that it withstands at rest is told by the motion itself: models differ in what breaks it away.
+    """
+    rests = shown.mode == Mode.STICK
+    x = shown.x - model.offset
+    pulled = np.abs(u - model.k * (np.sin(x) if model.restoring is Restoring.PENDULUM else x))
+    most = float(np.max(pulled[rests], initial=0.0))
+    return np.asarray(rests & (pulled > most - _NEARLY * sigma), dtype=np.bool_)
+
+
+def _surely_at_rest(events: Events, t: FloatArray, slips: BoolArray) -> Events:
+    """Events without those that begin or end a rest of which noise leaves nothing sure."""
+    before = np.clip(np.searchsorted(t, events.t, side="right") - 1, 0, t.size - 2)
+    at = np.where(events.kind == EventKind.BREAK_AWAY, before, before + 1)
+    rest = (events.kind == EventKind.BREAK_AWAY) | (events.kind == EventKind.STICK)
+    return events.where(~(rest & slips[at]))
 
 
 def between(problem: Problem, told: Noise) -> FloatArray:
@@ -139,7 +177,7 @@ def unknown_between(found: Fit, problem: Problem) -> float:
     left, bends = left_of(problem, found.shown), between(problem, told)
     if force is None and problem.drive is not None:
         force = force_noise(
-            found.model, found.shown, problem.t, told, problem.noise, held=problem.drive.held, between=bends
+            found.model, found.shown, problem.t, told, problem.noise, drive=problem.drive, between=bends
         )
     if force is None:
         return 0.0

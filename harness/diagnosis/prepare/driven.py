@@ -262,9 +262,8 @@ def _allowing(problem: Driven, model: Model, noise: Noise) -> Driven:
         starts = np.zeros((problem.t.size, 2))
         for w in problem.starts.windows:
             starts[w.start] = _UNKNOWN * w.x_sd, _UNKNOWN * w.v_sd
-    held = problem.drive.held
     unknown = problem.unknown * between(problem, noise)
-    force = force_noise(model, shown, problem.t, noise, problem.noise, starts, held=held, between=unknown)
+    force = force_noise(model, shown, problem.t, noise, problem.noise, starts, drive=problem.drive, between=unknown)
     return replace(problem, force_noise=force)
 
 

@@ -183,7 +183,8 @@ class ForceNoise:
     told : the noise as the force's own samples tell it, of which the motion may show less.
     start (N, 2) : standard deviations of position and speed, m and m/s, where the motion is followed anew, 0 elsewhere.
     beyond : chi-square that such noise may leave beyond first order. between (N,) : standard deviation, N, of what is
-    not known of the force beside each sample.
+    not known of the force beside each sample. times (N,) : by which its noise counts, more where that may have stopped
+    the slider: then it is no longer as often one way as the other.
     """
 
     t: FloatArray
@@ -199,6 +200,7 @@ class ForceNoise:
     beyond: float = 0.0
     told: Noise | None = None
     between: FloatArray | float = 0.0
+    times: FloatArray | float = 1.0
 
     def as_told(self) -> Noise:
         """The noise as the force's own samples tell it."""
@@ -253,7 +255,7 @@ class ForceNoise:
         jumps = np.stack([self.jumps[place] if c == "a" else np.zeros((t.size, 4)) for c in values])
         out, variance = np.empty_like(y), np.empty(y.shape[:2])
         innovations(
-            self.moves, np.hypot(self.noise.sigma, self.between), self.noise.phi, place, seen, sensor,
+            self.moves, np.hypot(self.noise.sigma * self.times, self.between), self.noise.phi, place, seen, sensor,
             np.stack([weight[c] for c in values]), jumps, self.start, y, out, variance,
         )  # fmt: skip
         shaped = {c: out[i].reshape(v.shape) for i, (c, v) in enumerate(values.items())}
