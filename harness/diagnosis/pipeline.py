@@ -102,7 +102,7 @@ def prepare(recording: Recording, asked: Asked, moves: Moves | None = None) -> t
         return problem, notes
     if asked.covariates:
         problem = with_covariates(problem, recording, asked.covariates)
-    if problem.guarded:
+    if not problem.drive.held:
         problem, said = as_it_acts(problem, recording["u"])
         notes = (*notes, *said)
     return with_unseen_mass(problem), notes

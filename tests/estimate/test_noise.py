@@ -6,7 +6,7 @@ from scipy.signal import lfilter
 
 from harness.core.arrays import FloatArray
 from harness.estimate.every import METHODS, estimate_all
-from harness.estimate.noise import FLOOR, channel_noise, quantisation_step, white_at_most
+from harness.estimate.noise import FLOOR, channel_noise, quantisation_step, white_at_most, with_colour
 from harness.estimate.repeated import repeated
 from harness.exact.decay import Decay, free_decay
 
@@ -131,3 +131,18 @@ def test_a_white_noise_is_bounded_where_a_spectrum_is_quiet() -> None:
     assert white_at_most(noise) == pytest.approx(0.02, rel=0.1)
     assert white_at_most(fast + noise) == pytest.approx(0.02, rel=0.1)
     assert white_at_most(fast) < 1e-3
+
+
+@pytest.mark.parametrize("phi", [0.0, 0.45, 0.6])
+def test_colour_shows_without_a_period(phi: float) -> None:
+    slow, noise = np.sin(1.3 * T) + 0.4 * np.abs(T - 2.0), _coloured(phi, 1e-3)
+    found = with_colour(T, slow + noise, channel_noise(T, slow + noise))
+    assert found.phi == pytest.approx(phi, abs=0.1)
+    # below the frequencies that a motion has this is what counts: white noise of the fast part is up to ten times less
+    assert found.of_means(20).sigma == pytest.approx(channel_noise(T, noise, PERIOD).of_means(20).sigma, rel=0.25)
+
+
+def test_a_motion_is_no_colour() -> None:
+    fast = np.sin(150.0 * T) + 1e-5 * _coloured(0.0, 1.0)
+    white = channel_noise(T, fast)
+    assert with_colour(T, fast, white) == white

@@ -61,11 +61,10 @@ def held(t: FloatArray, u: FloatArray) -> Drive:
 def acting(problem: Driven, u: FloatArray, told: Drive | None = None) -> Acting:
     """How the force u (n,) acts, and whether the base model then follows the recording.
 
-    told : as it acts, where the motion between reversals says so; it stands if the base model then follows, and where
-    none follows in any way. Else it acts as the samples themselves say where no other way lets the base model follow
-    the recording better. The model strays where its misfit is hundreds of times what the sensor's noise is, as an
-    encoder shows of a real drive, and where it cannot be simulated: then no law says the force well enough, and the
-    force itself is what can be compared.
+    told : as it acts, where the motion between reversals says so; it stands if the base model then follows. Else it
+    acts as the samples themselves say where no other way lets the base model follow the recording better. The model
+    strays where its misfit is hundreds of times what the sensor's noise is, as an encoder shows of a real drive, and
+    where it cannot be simulated: then no law says the force well enough, and the force itself is what can be compared.
     """
     first, part, lines = problem.first, problem.part(slice(0, _SAMPLES)), Drive(problem.t, u)
     scales, free = driven_scales(problem, first), free_of(first, problem.base_names)
@@ -86,8 +85,7 @@ def acting(problem: Driven, u: FloatArray, told: Drive | None = None) -> Acting:
         return Acting(told, (lines,) if told.held else (), told.held, follows=True, model=found.model, chi2=found.chi2)
     usual, ways = followed(problem.drive), [held(problem.t, u)]
     if usual is None:
-        drive = told or problem.drive
-        return Acting(drive, (), drive.held, follows=False, model=first, chi2=math.inf)
+        return Acting(problem.drive, (), held=False, follows=False, model=first, chi2=math.inf)
     if lines.t.size != problem.drive.t.size and _seen(lines, usual, part):
         ways.append(lines)
     fits = [(one, way) for way in ways if (one := followed(way)) is not None]
@@ -96,8 +94,6 @@ def acting(problem: Driven, u: FloatArray, told: Drive | None = None) -> Acting:
         nearest, drive = usual, problem.drive
     others = tuple(way for way in (problem.drive, *(way for _, way in fits)) if way is not drive)
     follows = nearest.chi2 < _STRAYS**2 * nearest.points
-    if told is not None and not follows:
-        drive, others = told, ()
     return Acting(drive, others, drive.held, follows, nearest.model, nearest.chi2)
 
 
