@@ -20,6 +20,8 @@ _EVEN = 1e-3
 """Share by which steps may differ."""
 _PULSE, _SIDE = 16, 6.8
 """Samples to either side that a pulse reaches over, and its Kaiser window: 70 dB of what lies below .85 of the end."""
+_FEWEST = 4 * _PULSE
+"""Samples, of which half have pulses that are whole."""
 _FINER = 4
 """Straight pieces of an interval: ten to a period of the fastest that is passed."""
 
@@ -27,7 +29,7 @@ _FINER = 4
 def ends(t: FloatArray, u: FloatArray) -> bool:
     """Whether the spectrum of a force u (n,) at t (n,), s, falls off a cliff where few samples a period are left."""
     step = np.diff(t)
-    if t.size < 4 * _PULSE or np.ptp(step) > _EVEN * float(np.mean(step)):
+    if t.size < _FEWEST or np.ptp(step) > _EVEN * float(np.mean(step)):
         return False
     taper = np.hanning(u.size + 2)[1:-1]
     power = np.abs(np.fft.rfft((u - np.mean(u)) * taper)) ** 2

@@ -22,6 +22,8 @@ FEWEST, _AWAY = 8, 8
 """Samples below which a window is not worth a start, and either side of one in which the slider should not turn."""
 _KERNEL, _REACH, _EVEN = 2.0, 10, 1e-3
 """Samples: width and reach of a kernel that passes all signals alike; and by which share steps may differ for it."""
+_LONG = 4 * _REACH
+"""Samples, beside the fewest, of which half have whole kernels."""
 _FEW = 24.0
 """Samples a period, from which on a cubic over nine takes less than a tenth off a bend."""
 _BENDS = 2, 3
@@ -64,7 +66,7 @@ def told_by(t: FloatArray, x: FloatArray, u: FloatArray, state: State) -> tuple[
     """
     step = np.diff(t)
     turns = float(np.std(state[1])) * float(np.mean(step)) * _FEW >= 2.0 * math.pi * float(np.std(state[0]))
-    if not turns or t.size < 4 * _REACH + _FEWEST or np.ptp(step) > _EVEN * float(np.mean(step)):
+    if not turns or t.size < _LONG + _FEWEST or np.ptp(step) > _EVEN * float(np.mean(step)):
         return state, u
     at, h = np.arange(-_REACH, _REACH + 1) / _KERNEL, _KERNEL * float(np.mean(step))
     kernel = np.exp(-0.5 * at**2) / np.sum(np.exp(-0.5 * at**2))
