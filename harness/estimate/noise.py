@@ -278,6 +278,10 @@ def channel_noise(t: FloatArray, y: FloatArray, period: float | None = None, res
 
 _COLOURED = 24
 """Samples of windows that show a colour: of shorter ones a polynomial leaves the fast part alone."""
+_GOES_ON = 1.0 / 3.0
+"""Least ratio of the ways in two thirds of a window that neither turns nor starts nor stops."""
+_FEWEST_COLOURED = 16
+"""Windows of a motion that goes on, from which a colour is told."""
 _ALIKE = 1.25
 """Factor within which the fast part of a coloured noise is what shorter windows leave; that of a bend is larger."""
 
@@ -289,8 +293,15 @@ def with_colour(t: FloatArray, y: FloatArray, noise: Noise) -> Noise:
     """
     if not noise.found or noise.phi != 0.0 or rounded(noise.sigma**2, noise.step):
         return noise
+    times, windows = (_windows(one, _COLOURED) for one in (t, y))
+    first, second = np.diff(windows.reshape(len(windows), 3, -1).mean(axis=2)).T
+    # friction bends what turns, stops or starts within one
+    goes_on = first * second > _GOES_ON * np.maximum(first**2, second**2)
+    if np.count_nonzero(goes_on) < _FEWEST_COLOURED:
+        return noise
     interval = float(np.median(np.diff(t)))
-    seen = channel_noise(t, y, (_COLOURED + 0.5) / _PERIOD_SHARE * interval)
+    going = times[goes_on].ravel(), windows[goes_on].ravel()
+    seen = channel_noise(*going, (_COLOURED + 0.5) / _PERIOD_SHARE * interval)
     if seen.phi <= 0.0:
         return noise
     fast = seen.sigma * math.sqrt(float(_expected(*_SHORTEST, np.array([seen.phi]))[0][0]))
