@@ -294,7 +294,7 @@ def with_colour(t: FloatArray, y: FloatArray, noise: Noise) -> Noise:
     if not noise.found or noise.phi != 0.0 or rounded(noise.sigma**2, noise.step):
         return noise
     times, windows = (_windows(one, _COLOURED) for one in (t, y))
-    first, second = np.diff(windows.reshape(len(windows), 3, -1).mean(axis=2)).T
+    first, second = np.diff(windows.reshape(len(windows), 3, _COLOURED // 3).mean(axis=2)).T
     # friction bends what turns, stops or starts within one
     goes_on = first * second > _GOES_ON * np.maximum(first**2, second**2)
     if np.count_nonzero(goes_on) < _FEWEST_COLOURED:
