@@ -200,11 +200,11 @@ def test_what_holds_a_slider_at_rest_is_seen_beside_the_force_of_its_sliding(f_s
 def _held_axis(seed: int) -> Recording:
     """A free axis led by a loop that holds its force between samples, and whose force is logged with noise."""
     random, dt = np.random.default_rng(seed), 0.002
-    t: FloatArray = np.arange(3000) * dt
+    t = dt * np.arange(3000.0)
     way: FloatArray = np.zeros(t.size)
     begin = 0.1
     for far, lasts in ((0.05, 0.35), (-0.09, 0.5), (0.07, 0.3), (-0.06, 0.9), (0.08, 0.4), (-0.07, 0.5), (0.09, 0.6)):
-        s = np.clip((t - begin) / lasts, 0.0, 1.0)
+        s: FloatArray = np.clip((t - begin) / lasts, 0.0, 1.0)
         way += far * s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
         begin += lasts + 0.2
     ahead = np.gradient(way, t)
