@@ -123,7 +123,7 @@ def by_hand(
         )  # fmt: skip
 
     problem: Any = SimpleNamespace(
-        t=t, duration=1.0, turns=lambda v: np.linspace(1, 998, turns).astype(np.int64), on_bench=bench
+        t=t, duration=1.0, drive=None, turns=lambda v: np.linspace(1, 998, turns).astype(np.int64), on_bench=bench
     )
     return Search(problem, fit(base, 0), fit(1000.0, terms), (), (), left)
 
