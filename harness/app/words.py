@@ -7,7 +7,7 @@ from pathlib import Path
 from harness.app.shared.leaving import leave, leaving
 from harness.core.errors import InputError, did_you_mean
 from harness.results.words import DefaultResult, ReaderResult, TakenResult, WordResult, WordsResult
-from harness.robot.words.find import Found, words_in
+from harness.robot.words.find import Found, Words, words_in
 from harness.robot.words.motion import by_motion, installed, model, speeds
 from harness.robot.words.table import Form, Reader, Taken, Word, table
 from harness.show.report.words import CALLED, grouped, problems, words_page
@@ -24,15 +24,15 @@ def words(path: Path, engines: Sequence[str] = (), out: Path | None = None) -> W
     Raises InputError for a file that is no MJCF, URDF, SDF or USD as text, and for a reader that there is not,
     StoreError.
     """
-    form, found = words_in(path)
-    result = _result(path, form, found, engines)
+    result = _result(path, words_in(path), engines)
     if out is not None:
         with leaving("words", out) as output:
             leave(output, result, words_page(result))
     return result.drawn(partial(words_page))
 
 
-def _result(path: Path, form: Form, found: Sequence[Found], engines: Sequence[str]) -> WordsResult:
+def _result(path: Path, of: Words, engines: Sequence[str]) -> WordsResult:
+    form, found = of.form, of.found
     readers = _chosen(form, engines)
     here = {one.name: said for one in readers if (said := installed(one)) is not None}
     used = {one.word.key: one.word for one in found if one.word is not None and one.word.probe is not None}
@@ -62,6 +62,7 @@ def _result(path: Path, form: Form, found: Sequence[Found], engines: Sequence[st
         ],
         wrong=sum(bool(one.problem) for one in words),
         lost=len(lost),
+        unread=of.unread,
         statement="",
     )
     return result.model_copy(update={"statement": statement(result)})
@@ -69,8 +70,14 @@ def _result(path: Path, form: Form, found: Sequence[Found], engines: Sequence[st
 
 def statement(result: WordsResult) -> str:
     """The result in two sentences."""
+    names = ", ".join(result.unread)
+    other = (
+        f" It names {'another model' if len(result.unread) == 1 else 'other models'}, not read: {names}."
+        if names
+        else ""
+    )
     if not result.words:
-        return f"This {result.format.upper()} has no word of friction, damping, armature or a servo."
+        return f"This {result.format.upper()} has no word of friction, damping, armature or a servo.{other}"
     count = f"{len(result.words)} word{'s' * (len(result.words) != 1)}"
     wrong = f"{result.wrong} of them {'is' if result.wrong == 1 else 'are'} wrong" if result.wrong else "none is wrong"
     titles = {one.name: one.title for one in result.readers}
@@ -80,7 +87,7 @@ def statement(result: WordsResult) -> str:
         if (dropped := sum(w.readers[name].fate in ("dropped", "refused") for w in result.words if not w.problem))
     ]
     rest = f" Dropped or refused by {', '.join(losing)}." if losing else ""
-    return f"{count}, {wrong}.{rest}"
+    return f"{count}, {wrong}.{rest}{other}"
 
 
 def _chosen(form: Form, engines: Sequence[str]) -> tuple[Reader, ...]:
@@ -109,9 +116,10 @@ def _word(one: Found, readers: Sequence[Reader], measured: Measured) -> WordResu
     taken = {}
     for reader in readers:
         said, times = one.taken(reader.name), None
-        evidence = "file" if one.problem and dict(one.cells).get(reader.name) else "cited"
+        by_file = reader.name in dict(one.cells)
+        evidence = "file" if by_file else "cited"
         key = (reader.name, "" if one.word is None else one.word.key)
-        if one.word is not None and not one.problem and key in measured:
+        if one.word is not None and not one.problem and not by_file and key in measured:
             (said, times), evidence = measured[key], "motion"
         taken[reader.name] = TakenResult.model_validate(
             {"fate": said.fate, "note": said.note, "evidence": evidence, "measured": times}

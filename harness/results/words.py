@@ -66,4 +66,5 @@ class WordsResult(Paged):
     defaults: list[DefaultResult]
     wrong: int = Field(description="words with a problem")
     lost: int = Field(description="words that a reader which was asked for does not take as they are; 0 for none asked")
+    unread: list[str] = Field(default=[], description="other models that the file names, whose words are not here")
     statement: str

@@ -112,9 +112,9 @@ def test_each_trap_is_named_and_readers_do_with_it_what_is_said(form: Form, tmp_
     for i, (_, _, name, fix) in enumerate(own):
         path = tmp_path / f"{i}.{form}"
         path.write_text(texts[2 * i])
-        found_as, every = words_in(path)
-        assert found_as == form
-        one = next(one for one in every if one.name == name and one.problem)
+        of = words_in(path)
+        assert of.form == form
+        one = next(one for one in of.found if one.name == name and one.problem)
         assert fix in one.fix
         now, plain = [next(moved) for _ in readers], [next(moved) for _ in readers]
         for reader, v, v0 in zip(readers, now, plain, strict=True):
@@ -196,11 +196,10 @@ def test_files_that_packages_ship_are_read_and_only_what_is_wrong_is_named() -> 
     data = pytest.importorskip("pybullet_data").getDataPath()
     wrong = {}
     for name in SHIPPED:
-        _, found = words_in(Path(data, name))
-        wrong[name] = [one for one in found if one.problem]
+        wrong[name] = [one for one in words_in(Path(data, name)).found if one.problem]
     assert not any(wrong.values())
-    _, found = words_in(Path(data, "r2d2.urdf"))
-    assert {(one.place, "joint_properties" in one.problem) for one in found} == {
+    wheels = words_in(Path(data, "r2d2.urdf")).found
+    assert {(one.place, "joint_properties" in one.problem) for one in wheels} == {
         (f"joint {side}_wheel_joint", True) for side in ("right_front", "right_back", "left_front", "left_back")
     }
 
@@ -217,15 +216,15 @@ def test_a_contact_has_the_larger_condim_of_two_geoms(tmp_path: Path, default: s
     path = tmp_path / "a.xml"
     path.write_text(GEOMS.format(default, floor, ball))
     own = mujoco.MjModel.from_xml_path(str(path))
-    friction = next(one for one in words_in(path)[1] if one.value == "0.5 0.1 0.1")
+    friction = next(one for one in words_in(path).found if one.value == "0.5 0.1 0.1")
     assert bool(friction.problem) == (own.geom_condim.max() == 1)
 
 
 def test_a_library_of_classes_is_no_mistake(tmp_path: Path) -> None:
     path = tmp_path / "part.xml"
     path.write_text(f"<mujocoinclude>{CLASS}</mujocoinclude>")
-    form, found = words_in(path)
-    assert (form, [one.problem for one in found]) == ("mjcf", [""])
+    part = words_in(path)
+    assert (part.form, [one.problem for one in part.found]) == ("mjcf", [""])
 
 
 @pytest.mark.parametrize(

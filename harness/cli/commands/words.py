@@ -50,14 +50,17 @@ def _print(result: "WordsResult", file: Path, noted: bool) -> None:
         show_rows(("word", *heads), cells)
         if any(one.evidence == "motion" for one in result.readers):
             say("* by motion: a hinge with the word against one without it; the others as their sources say (--json)")
+    say_all(
+        dict.fromkeys(
+            f"line {own[0].line}, {own[0].place}: {own[0].name} {own[0].note}" for _, own in rows if own[0].note
+        )
+    )
     if not noted:
         say_as_it_is(f"how an engine reads them, and what it has without a word: harness words {file} --engine NAME")
         return
     titles = {one.name: one.title for one in result.readers}
     notes: dict[str, list[str]] = {}
     for _, own in rows:
-        if own[0].note:
-            notes.setdefault(f"{own[0].name}: {own[0].note}", [])
         for name, taken in own[0].readers.items():
             if said := _said(taken):
                 notes.setdefault(f"{own[0].name}: {said}", []).append(titles[name])

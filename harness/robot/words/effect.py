@@ -1,124 +1,188 @@
-"""What takes the effect from a word that is right by itself: a flag, an unused class, a fixed joint."""
+"""What takes the effect from a word that is right by itself: a flag, an unused class, another geom, a fixed joint."""
 
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Final, Literal
 
+from harness.robot.words.inherit import Defaults, family
 from harness.robot.words.read import Node
-from harness.robot.words.table import Form, Word
+from harness.robot.words.table import Fate, Form, Word
+from harness.robot.words.touching import Beaten, Touching, numbers
+
+Grade = Literal["wrong", "lost", "partly"]
 
 
 @dataclass(frozen=True, slots=True)
 class Lost:
-    """why : a clause. fix : what to write. parsers : of readers that it is so for; all where empty.
-    partly : the word has an effect, and a part of it has none.
+    """why : a clause. fix : what to write. readers : that it is so for; all where empty.
+
+    grade : wrong, the word has no effect by another word of the file; lost, it has none, which need be no mistake;
+    partly, a part of it has none, or it may have one with what is in another file. fate : at those readers.
     """
 
     why: str
     fix: str
-    parsers: tuple[str, ...] = ()
-    partly: bool = False
+    readers: tuple[str, ...] = ()
+    grade: Grade = "wrong"
+    fate: Fate = "dropped"
 
 
-_MUJOCO = ("mujoco", "isaac")
+_MUJOCO: Final = ("mujoco", "mjx", "warp", "genesis", "isaac")
+"""Readers that have the file from MuJoCo's compiler."""
+_STEPPED: Final = ("mujoco", "mjx", "warp")
+"""Readers that step it as MuJoCo does."""
 
 
-def without_effect(form: Form, word: Word, value: str, node: Node, nodes: Sequence[Node]) -> Lost | None:
-    """What takes the effect from a word; node : its element, or that which holds it. None where it has one."""
-    if form == "mjcf":
-        return _in_mjcf(word, value, node, nodes)
-    if form in ("urdf", "sdf"):
-        return _in_urdf(word, node, nodes) or _in_a_fixed_joint(word, value, node)
-    return None
+class Effects:
+    """Of the words of a file."""
 
+    def __init__(self, form: Form, nodes: Sequence[Node]) -> None:
+        self._form, self._nodes = form, nodes
 
-def _in_mjcf(word: Word, value: str, node: Node, nodes: Sequence[Node]) -> Lost | None:
-    numbers = [float(part) for part in value.split()] if word.unit != "enable, disable" else []
-    if (lost := _of_a_class(word, node, nodes)) or not any(numbers) or (lost := _switched_off(word, node, nodes)):
+    @cached_property
+    def _defaults(self) -> Defaults:
+        return Defaults(self._nodes)
+
+    @cached_property
+    def _touching(self) -> Touching:
+        return Touching(self._nodes, self._defaults)
+
+    def lost(self, word: Word, value: str, node: Node) -> Lost | None:
+        """What takes the effect from a word; node : its element, or that which holds it. None where it has one."""
+        if word.form == "mjcf":
+            return self._in_mjcf(word, value, node)
+        if self._form == "usd":
+            return _in_usd(word, node)
+        return _in_urdf(word, node, self._nodes) or _in_a_fixed_joint(word, value, node)
+
+    def _in_mjcf(self, word: Word, value: str, node: Node) -> Lost | None:
+        switch = word.unit == "enable, disable"
+        if not switch and not any(numbers(value)):
+            return None
+        if (lost := self._switched_off(word, node)) is not None:
+            return lost
+        on = self._defaults.having(node, word.name)
+        if not on:
+            return self._of_a_class(word, node)
+        found = [self._beside(word.name, numbers(value), one) for one in on]
+        return next((one for one in found if one is not None), None) if all(found) else None
+
+    def _beside(self, name: str, values: Sequence[float], node: Node) -> Lost | None:
+        """What other words do to one that this element has."""
+        has, lost = self._defaults.of(node), None
+        if node.tag == "joint" and name in ("damping", "stiffness") and any(numbers(has.get("springdamper"))):
+            own = (*_MUJOCO, "rapier")
+            lost = Lost("springdamper of the same joint takes its place", "leave springdamper out", own)
+        elif name == "springdamper" and not all(values[:2]):
+            lost = Lost("both of its numbers have to be above zero", "write both", _MUJOCO, fate="refused")
+        elif name in ("solreffriction", "solimpfriction") and node.tag == "pair":
+            if not any(one.attributes.get("cone") == "elliptic" for one in self._nodes if one.tag == "option"):
+                lost = Lost("the cone is pyramidal", 'add cone="elliptic" to <option>', _STEPPED)
+        elif name in ("solreffriction", "solimpfriction") and not any(numbers(has.get("frictionloss"))):
+            lost = Lost("there is no frictionloss", f'add frictionloss="..." to the {node.tag}', _MUJOCO)
+        elif node.tag == "general" and name == "biasprm" and has.get("biastype", "none") == "none":
+            lost = Lost("biastype is none", 'add biastype="affine"', _MUJOCO)
+        elif name == "friction" and node.tag in ("geom", "pair"):
+            lost = self._of_a_contact(values, node, has)
+        elif name in ("kv", "dampratio") and {"kv", "dampratio"} <= set(node.attributes):
+            why = "kv and dampratio stand side by side"
+            lost = Lost(why, "leave one of the two out", _MUJOCO, fate="refused")
+        elif family(node.tag) == "actuator" and "gear" in has and not any(numbers(has["gear"])):
+            lost = Lost("its gear is 0", "leave gear out", _MUJOCO)
+        elif name in ("kp", "kv", "ki", "dampratio", "biasprm") and self._group_is_off(has):
+            lost = Lost(f"actuatorgroupdisable has its group {has.get('group', '0')}", "take it out", _STEPPED)
+        elif name == "o_friction" and not self._overrides:
+            lost = Lost("overrides are not enabled", 'add <flag override="enable"/> to <option>', _MUJOCO)
         return lost
-    return _beside(word.name, numbers, node, nodes)
 
+    @cached_property
+    def _overrides(self) -> bool:
+        return any(one.attributes.get("override") == "enable" for one in self._nodes if one.tag == "flag")
 
-def _beside(name: str, numbers: Sequence[float], node: Node, nodes: Sequence[Node]) -> Lost | None:
-    """Of other attributes of the same element."""
-    has, lost = node.attributes, None
-    if node.tag == "joint" and name in ("damping", "stiffness") and "springdamper" in has:
-        lost = Lost("springdamper of the same joint takes its place", "leave springdamper out", (*_MUJOCO, "rapier"))
-    elif name in ("solreffriction", "solimpfriction") and _nothing("frictionloss", node, nodes):
-        lost = Lost("there is no frictionloss", 'add frictionloss="..." to it', _MUJOCO)
-    elif node.tag == "general" and name == "biasprm" and has.get("biastype", "none") == "none" and "class" not in has:
-        lost = Lost("biastype is none", 'add biastype="affine"', _MUJOCO)
-    elif name == "friction" and node.tag in ("geom", "pair"):
-        lost = _of_a_shape(numbers, node, nodes)
-    elif name in ("kv", "dampratio") and {"kv", "dampratio"} <= set(has):
-        lost = Lost("kv and dampratio stand side by side, and the file is refused", "leave one of the two out", _MUJOCO)
-    elif name == "o_friction" and not any(n.attributes.get("override") == "enable" for n in nodes if n.tag == "flag"):
-        lost = Lost("overrides are not enabled", 'add <flag override="enable"/> to <option>', _MUJOCO)
-    return lost
+    def _group_is_off(self, has: dict[str, str]) -> bool:
+        groups = (one.attributes.get("actuatorgroupdisable", "") for one in self._nodes if one.tag == "option")
+        return has.get("group", "0") in " ".join(groups).split()
 
-
-def _of_a_class(word: Word, node: Node, nodes: Sequence[Node]) -> Lost | None:
-    """A default that nothing in the file has."""
-    inside = next((one for one in node.above() if one.tag == "default"), None)
-    name = None if inside is None else inside.attributes.get("class")
-    if inside is None or name in (None, "main") or inside.parent is None or inside.parent.tag != "default":
+    def _switched_off(self, word: Word, node: Node) -> Lost | None:
+        for flag in (one for one in self._nodes if one.tag == "flag" and one is not node):
+            for name in _FLAGS.get(word.kind, ()):
+                if flag.attributes.get(name) != "disable":
+                    continue
+                why = f'<flag {name}="disable"/> in line {flag.line} switches '
+                if word.name == "springdamper":
+                    return Lost(f"{why}its damping off", "take the flag out", _MUJOCO, "partly")
+                return Lost(f"{why}it off", "take the flag out", _MUJOCO)
         return None
-    outside = [n for n in nodes if "default" not in n.way]
-    used = {n.attributes[key] for n in outside for key in ("class", "childclass") if key in n.attributes}
-    within = {one.attributes.get("class") for one in nodes if one.tag == "default" and inside in list(one.above())}
-    # a library of classes is none of a mistake: one is, where the word stands nowhere else in a file with joints
-    elsewhere = [n for n in nodes if word.name in n.attributes and inside not in list(n.above())]
-    if used & (within | {name}) or elsewhere or not any(n.tag == node.tag for n in outside):
+
+    def _of_a_class(self, word: Word, node: Node) -> Lost | None:
+        """A default that no element has."""
+        inside = next(one for one in node.above() if one.tag == "default")
+        if self._nodes[0].tag == "mujocoinclude" or not any(self._defaults.alike(node)):
+            return None  # a library of classes
+        name = inside.attributes.get("class", "main")
+        own = [one for one in self._nodes if one.tag == "default" and inside in list(one.above())]
+        within = {one.attributes.get("class", "main") for one in own}
+        of_it = [one for one in self._defaults.alike(node) if self._defaults.class_of(one) in within]
+        kind = {"actuator": "actuator", "tendon": "tendon"}.get(family(node.tag), node.tag)
+        if of_it:
+            return None  # each has its own
+        # one of several classes that give the word may wait for its use
+        elsewhere = any(word.name in n.attributes and inside not in list(n.above()) for n in self._nodes)
+        why, fix = f"no {kind} is of the class {name}", f'add class="{name}" to the {kind}'
+        return Lost(why, fix, (), "lost" if elsewhere else "wrong")
+
+    def _of_a_contact(self, values: Sequence[float], node: Node, has: dict[str, str]) -> Lost | None:
+        """Of a friction: condim, priority, pairs, and the larger of two."""
+        if self._overrides and any("o_friction" in one.attributes for one in self._nodes if one.tag == "option"):
+            return Lost("o_friction of <option> takes its place", "write it there, or take the override out", _STEPPED)
+        if node.tag == "pair":
+            condims = [int(has["condim"])] if has.get("condim", "").isdigit() else []
+        elif has.get("contype") == has.get("conaffinity") == "0" and not self._touching.beaten(node):
+            why = "contype and conaffinity are 0"
+            return Lost(why, "it touches nothing, but by a pair", _STEPPED, "lost")
+        else:
+            condims = self._touching.condims(node)
+        if condims and set(condims) == {1}:
+            sure = node.tag == "pair" or self._touching.with_world(node)  # else what bears it is in another file
+            why = "condim is 1, a contact without friction"
+            return Lost(why, 'write condim="3"', _MUJOCO, "wrong" if sure else "partly")
+        if node.tag == "geom" and (lost := self._beaten(node)) is not None:
+            return lost
+        if max(condims, default=0) == 3 and any(values[1 if node.tag == "geom" else 2 :]) and "condim" in has:
+            return Lost("its torsional and rolling parts want condim 4 and 6", 'write condim="6"', (), "partly")
         return None
-    return Lost(f"nothing is of the class {name}", f'add class="{name}" to the {node.tag}')
+
+    def _beaten(self, node: Node) -> Lost | None:
+        """By another geom, or by a pair, in every contact that is told by the file."""
+        every = self._touching.beaten(node)
+        found = [one for one in every if one is not None]
+        if not found or len(found) < len(every) or self._touching.open:
+            return None
+        first: Beaten = max(found, key=lambda one: (one.fixed, one.said))
+        more = f"{first.of} has more, and of two geoms the larger counts"
+        why, fix = {
+            "pair": (f"the <pair> of {first.of} has its own", "write it there"),
+            "priority": (f"{first.of} has a higher priority, and its friction counts", 'give this one priority="..."'),
+            "larger": (more, 'write it there too, or give this one priority="1"'),
+        }[first.how]
+        if not first.fixed and first.how != "pair":
+            return Lost(why, "what else it touches is not in this file", (), "partly")
+        return Lost(why, fix, _STEPPED, "wrong" if all(one.said for one in found) else "lost")
 
 
-_FLAGS = {
+_FLAGS: Final = {
     "friction": ("frictionloss", "constraint"),
     "damping": ("damper",),
+    "spring": ("spring",),
     "servo": ("actuation",),
     "contact": ("contact", "constraint"),
 }
 
 
-def _switched_off(word: Word, node: Node, nodes: Sequence[Node]) -> Lost | None:
-    if node.tag == "flag":
-        return None
-    for flag in (n for n in nodes if n.tag == "flag"):
-        for name in _FLAGS.get(word.kind, ()):
-            if flag.attributes.get(name) == "disable" and not (name == "damper" and word.name == "springdamper"):
-                return Lost(
-                    f'<flag {name}="disable"/> in line {flag.line} switches it off', "take the flag out", _MUJOCO
-                )
-    return None
-
-
-def _nothing(name: str, node: Node, nodes: Sequence[Node]) -> bool:
-    """Whether neither an element nor any default of the file has an attribute."""
-    return name not in node.attributes and not any(
-        name in n.attributes for n in nodes if "default" in n.way or n.tag == node.tag
-    )
-
-
-def _of_a_shape(numbers: Sequence[float], node: Node, nodes: Sequence[Node]) -> Lost | None:
-    """A contact has the larger condim of its two geoms, 3 where a geom says none; a pair has its own."""
-    has = node.attributes
-    usual = {
-        n.attributes["condim"] for n in nodes if n.tag == "geom" and "default" in n.way and "condim" in n.attributes
-    }
-    # one default of the whole file, or none, is what a geom has that says nothing; of several the largest is supposed
-    usual = usual if len(usual) == 1 and not any("class" in n.attributes for n in nodes) else usual | {"3"}
-    own = {n.attributes.get("condim", max(usual)) for n in nodes if n.tag == "geom" and "default" not in n.way}
-    largest = max(own | (usual if not own else set()))
-    condim = has.get("condim", "3") if node.tag == "pair" else largest
-    if condim == "1":
-        partly = "default" in node.way  # what it touches may stand in another file
-        return Lost("condim is 1, a contact without friction", 'write condim="3"', _MUJOCO, partly)
-    if node.tag == "geom" and "default" not in node.way and has.get("contype") == has.get("conaffinity") == "0":
-        return Lost("contype and conaffinity are 0", "it touches nothing, but by a pair", partly=True)
-    if condim == "3" and any(numbers[1 if node.tag == "geom" else 2 :]) and "condim" in has:
-        return Lost("its torsional and rolling parts want condim 4 and 6", 'write condim="6"', partly=True)
-    return None
+_OF_GAZEBO_JOINTS: Final = ("implicitSpringDamper", "springStiffness")
+"""Words of <gazebo> that are of a joint; the others are of a link."""
 
 
 def _in_urdf(word: Word, node: Node, nodes: Sequence[Node]) -> Lost | None:
@@ -126,15 +190,53 @@ def _in_urdf(word: Word, node: Node, nodes: Sequence[Node]) -> Lost | None:
         every = [one for one in node.parent.children if one.tag == "dynamics"]
         if len(every) > 1 and node is not every[0]:
             return Lost("a joint's second <dynamics>: the first one counts", "put both words into one element")
-    outer = next((one for one in node.above() if one.tag == "gazebo" and "reference" in one.attributes), None)
-    if outer is not None:
-        name = outer.attributes["reference"]
-        if not any(n.tag in ("link", "joint") and n.attributes.get("name") == name for n in nodes):
-            return Lost(f"no link or joint is called {name}", "name one that there is")
+    outer = next((one for one in node.above() if one.tag == "gazebo"), None)
+    if outer is None or word.form != "urdf":
+        return None
+    wants = "joint" if word.name in _OF_GAZEBO_JOINTS else "link"
+    name = outer.attributes.get("reference")
+    if name is None:
+        return Lost("<gazebo> refers to nobody", f'add reference="..." with the name of a {wants}')
+    of = {one.tag for one in nodes if one.tag in ("link", "joint") and one.attributes.get("name") == name}
+    if not of:
+        return Lost(f"no link or joint is called {name}", "name one that there is")
+    return None if wants in of else Lost(f"{name} is no {wants}", f"name a {wants}")
+
+
+_AXES: Final = {
+    "PhysicsRevoluteJoint": ("angular", "rotX", "rotY", "rotZ"),
+    "PhysicsPrismaticJoint": ("linear", "transX", "transY", "transZ"),
+}
+"""Instances of a drive that a joint's type has."""
+
+
+def _in_usd(word: Word, node: Node) -> Lost | None:
+    """A drive of an axis that the joint has not, or that is not applied; friction at rest below that of sliding."""
+    name, prim = next(iter(node.attributes)), node.parent
+    if prim is None:
+        return None
+    beside = {key: value for one in prim.children for key, value in one.attributes.items()}
+    static = numbers(beside.get(name.replace("dynamicFriction", "staticFriction")))
+    if "dynamicFriction" in name and static < numbers(beside[name]):
+        return Lost("it is above its staticFrictionEffort", "write at least as much there", grade="partly")
+    found = re.match(r"drive:(\w+):", name)
+    if found is None:
+        return None
+    axes = _AXES.get(prim.tag)
+    if axes is not None and found[1] not in axes:
+        return Lost(f"a {prim.tag} has no axis {found[1]}", f"write drive:{axes[0]}:...")
+    schemas = re.search(r"apiSchemas\s*=\s*\[([^\]]*)\]", prim.text)
+    elsewhere = re.search(r"references|payload|inherits|specializes|variantSets", prim.text)
+    if (
+        axes is not None
+        and elsewhere is None
+        and f'"PhysicsDriveAPI:{found[1]}"' not in (schemas[1] if schemas else "")
+    ):
+        return Lost("the schema of the drive is not applied", f'add "PhysicsDriveAPI:{found[1]}" to apiSchemas')
     return None
 
 
-_OF_JOINTS = ("friction", "damping", "spring", "armature")
+_OF_JOINTS: Final = ("friction", "damping", "spring", "armature")
 
 
 def _in_a_fixed_joint(word: Word, value: str, node: Node) -> Lost | None:

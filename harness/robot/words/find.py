@@ -12,9 +12,10 @@ from difflib import SequenceMatcher, get_close_matches
 from pathlib import Path
 from typing import Final
 
-from harness.robot.words.effect import without_effect
-from harness.robot.words.read import Node, nodes_of
+from harness.robot.words.effect import Effects
+from harness.robot.words.read import Node, nodes_of, unread
 from harness.robot.words.table import DROPPED, FORMS, Fate, Form, Kind, Taken, Word, table
+from harness.robot.words.touching import numbers
 
 _TELLING: Final[dict[Kind, str]] = {
     "friction": r"frict|stiction|coulomb|stribeck|breakaway",
@@ -65,14 +66,24 @@ class Found:
         return dict(self.cells).get(reader, own)
 
 
-def words_in(path: Path) -> tuple[Form, list[Found]]:
-    """The format of a file, and every word of friction, damping, armature and servos in it, in order.
+@dataclass(frozen=True, slots=True)
+class Words:
+    """Of a file. found : in order. unread : other models that it names."""
+
+    form: Form
+    found: list[Found]
+    unread: list[str]
+
+
+def words_in(path: Path) -> Words:
+    """The format of a file, and every word of friction, damping, armature and servos in it.
 
     Raises InputError as ``nodes_of`` does.
     """
     form, nodes = nodes_of(path)
-    found = [one for node in nodes for one in _of_node(form, node)]
-    return form, [_with_effect(form, one, node, nodes) for one, node in found]
+    effects = Effects(form, nodes)
+    found = [_with_effect(form, one, node, effects) for node in nodes for one, node in _of_node(form, node)]
+    return Words(form, found, unread(form, nodes))
 
 
 def _of_node(form: Form, node: Node) -> Iterator[tuple[Found, Node]]:
@@ -81,6 +92,9 @@ def _of_node(form: Form, node: Node) -> Iterator[tuple[Found, Node]]:
         return
     if form == "urdf" and "gazebo" in node.way[:-2]:
         return  # SDF that is handed on
+    if form == "urdf" and node.way[:2] == ("robot", "mujoco"):
+        yield from _of_extension(node)
+        return
     holder = node.parent
     if form != "usd" and holder is not None:
         own = _known(form, holder.way, node.tag, element=True)
@@ -105,11 +119,20 @@ def _of_node(form: Form, node: Node) -> Iterator[tuple[Found, Node]]:
     for name, value in node.attributes.items():
         if name in _NO_VALUE or not name:
             continue
-        own = _known(form, node.way, name, element=False)
+        own = _known(form, node.way, name, element=False, value=value)
         if own is not None:
-            yield _checked(own, name, value, node), node
+            yield _checked(own, node.tag if name == "value" else name, value, node), node
         elif (kind := _kind(form, name)) is not None:
             yield _stray(form, node, name, value, kind, element=False), node
+
+
+def _of_extension(node: Node) -> Iterator[tuple[Found, Node]]:
+    """MJCF that stands in a URDF, which MuJoCo's compiler reads."""
+    for name, value in node.attributes.items():
+        own = _known("mjcf", node.way[1:], name, element=False)
+        if own is not None:
+            cells = {one: taken for one, taken in own.cells.items() if table().readers[one].parser == "mujoco"}
+            yield _checked(replace(own, cells=cells), name, value, node), node
 
 
 def _without_attribute(word: Word, node: Node) -> Found:
@@ -120,12 +143,13 @@ def _without_attribute(word: Word, node: Node) -> Found:
     return Found(word, word.kind, node.tag, node.text, place, node.file, node.line, problem, fix, cells=refused)
 
 
-def _known(form: Form, way: tuple[str, ...], name: str, element: bool) -> Word | None:
+def _known(form: Form, way: tuple[str, ...], name: str, element: bool, value: str = "") -> Word | None:
+    higher = any(numbers(value)[1:])
     for word in table().words[form]:
         if form == "usd":
             if re.fullmatch(re.escape(word.name).replace(r"\*", "[^:]+"), name):
                 return word
-        elif word.name == name and word.element == element and word.stands(way):
+        elif word.name == name and word.element == element and word.stands(way) and (higher or not word.polynomial):
             return word
     return None
 
@@ -185,6 +209,9 @@ def _place(node: Node) -> str:
 def _checked(word: Word, name: str, value: str, node: Node) -> Found:
     """A word that is in its place, with what is wrong with its value."""
     found = Found(word, word.kind, name, value, _place(node), node.file, node.line)
+    if any(tag.startswith("xacro:") for tag in node.way):
+        problem, cells = "stands in a macro of xacro", tuple((one, DROPPED) for one in word.cells)
+        return replace(found, problem=f"{problem}, which no reader expands", fix=_EXPAND, cells=cells)
     if word.unit == "enable, disable":
         return found
     said = value.strip("()").replace(",", " ").split() if word.form == "usd" else value.split()
@@ -192,7 +219,9 @@ def _checked(word: Word, name: str, value: str, node: Node) -> Found:
     write = f"write {word.written('0.1')}, in {word.unit.split(';')[0]}"
     if not said or wrong:
         if any("${" in part or "$(" in part for part in said):
-            problem, write = "is an expression of xacro, not a number", "expand it first: xacro FILE > robot.urdf"
+            problem, write = "is an expression of xacro, not a number", _EXPAND
+        elif value.startswith("{"):
+            problem = "has time samples, and readers take its one value"
         elif not said:
             problem = "has no value"
         elif any(re.fullmatch(r"[-+]?\d+,\d+", part) for part in said):
@@ -238,23 +267,83 @@ def _finite(text: str) -> float | None:
         return None
 
 
-_LAX: Final = {("bullet", form) for form in FORMS} | {("urdfdom", "mjcf"), ("urdfdom", "sdf"), ("drake", "urdf")}
-"""Parsers, by format, that read a number as far as it goes."""
+_EXPAND: Final = "expand it first: xacro FILE > robot.urdf"
+_LAX: Final[dict[tuple[str, Form], tuple[Fate, Fate]]] = {
+    ("bullet", "mjcf"): ("dropped", "dropped"),
+    ("bullet", "urdf"): ("dropped", "dropped"),
+    ("bullet", "sdf"): ("dropped", "refused"),
+    ("urdfdom", "mjcf"): ("dropped", "dropped"),
+    ("urdfdom", "sdf"): ("refused", "refused"),
+    ("sdformat", "sdf"): ("refused", "dropped"),
+    ("drake", "mjcf"): ("refused", "refused"),
+    ("drake", "urdf"): ("refused", "refused"),
+    ("drake", "sdf"): ("refused", "dropped"),
+}
+"""Parsers, by format, that read a number as far as it goes, with what they make of a value that begins with none, and
+of an empty one; the others refuse the file, but for MuJoCo, to which an empty value is none. All were tried."""
+_ONE_NUMBER: Final = {("drake", "mjcf"), ("drake", "urdf")}
+"""Those of them that refuse a second number."""
 
 
 def _misread(word: Word, said: Sequence[str]) -> tuple[tuple[str, Taken], ...]:
     """What parsers make of a value that is no number: most refuse the file, some read as far as they can."""
+    if word.form == "usd":
+        return tuple((one, Taken("dropped", "no number")) for one in word.cells)
+    if said and _finite(said[0]) is not None and not math.isfinite(float(said[0])):
+        return _not_finite(word, math.isinf(float(said[0])))
     start = _NUMBER.match(said[0]) if said else None
     number = 0.0 if start is None else float(start[0])
-    lax = Taken("meaning", f"read as {number:g}, in silence") if number else Taken("dropped", "read as 0, in silence")
+    refused, zero = Taken("refused", "no number"), Taken("dropped", "read as 0, in silence")
     found = {}
     for one in table().of(word.form):
-        strict = (one.parser, word.form) not in _LAX or (one.parser == "drake" and (start is None or len(said) > 1))
-        if strict or (one.parser in ("bullet", "urdfdom") and not said):
-            found[one.name] = Taken("refused", "no number")
+        none, empty = _LAX.get((one.parser, word.form), ("refused", "dropped" if one.parser == "mujoco" else "refused"))
+        strict = (one.parser, word.form) not in _LAX
+        second = (one.parser, word.form) in _ONE_NUMBER and sum(map(_is_number, said)) > 1
+        fate = empty if not said else none if start is None else "refused" if strict or second else "read"
+        if fate == "refused":
+            found[one.name] = refused
         elif word.taken(one.name).fate != "dropped":
-            found[one.name] = lax
+            found[one.name] = Taken("meaning", f"read as {number:g}, in silence") if number and fate == "read" else zero
     return tuple(found.items())
+
+
+def _is_number(text: str) -> bool:
+    return _NUMBER.fullmatch(text) is not None
+
+
+_KEPT: Final = Taken("meaning", "loaded as it is, and the state is no longer finite")
+_STOPS: Final = Taken("meaning", "loaded as it is, and nothing moves")
+_REFUSES: Final = Taken("refused", "not finite")
+_NOT_FINITE: Final[dict[tuple[str, Form], tuple[Taken, Taken]]] = {
+    ("mujoco", "mjcf"): (_KEPT, _KEPT),
+    ("mujoco", "urdf"): (_KEPT, _KEPT),
+    ("bullet", "urdf"): (_KEPT, _KEPT),
+    ("bullet", "sdf"): (_KEPT, _KEPT),
+    ("urdfdom", "mjcf"): (Taken("dropped", "not a number"), _STOPS),
+    ("urdfdom", "urdf"): (_REFUSES, _REFUSES),
+    ("urdfdom", "sdf"): (Taken("dropped", "not a number"), _STOPS),
+    ("sdformat", "urdf"): (_REFUSES, _REFUSES),
+    ("rapier", "mjcf"): (Taken("dropped", "not a number"), _STOPS),
+    ("drake", "mjcf"): (_REFUSES, _REFUSES),
+    ("drake", "urdf"): (_REFUSES, _REFUSES),
+    ("drake", "sdf"): (_REFUSES, _REFUSES),
+}
+"""What parsers make of a damping that is nan, and of one that is inf. All were tried."""
+
+
+def _not_finite(word: Word, endless: bool) -> tuple[tuple[str, Taken], ...]:
+    untried = Taken("meaning", "not finite; what becomes of it was not tried")
+    found = {}
+    for one in table().of(word.form):
+        nan, inf = _NOT_FINITE.get((one.parser, word.form), (untried, untried))
+        taken = inf if endless else nan
+        if taken.fate == "refused" or word.taken(one.name).fate != "dropped":
+            found[one.name] = taken
+    return tuple(found.items())
+
+
+_ALIKE: Final[dict[Form, float]] = {"mjcf": 0.6, "urdf": 0.6, "sdf": 0.6, "usd": 0.8}
+"""How like a name of the format one that is unknown has to be, so that it is meant; names of USD share their parts."""
 
 
 def _stray(form: Form, node: Node, name: str, value: str, kind: Kind, element: bool) -> Found:
@@ -262,14 +351,15 @@ def _stray(form: Form, node: Node, name: str, value: str, kind: Kind, element: b
     own = table().words[form]
     way = node.way[:-1] if element else node.way
     usual, value = table().common(form, kind), value or node.attributes.get("value", "")
-    alike = sorted((word for word in own if word.name == name), key=lambda word: word.kind != kind)
+    alike = sorted((word for word in own if word.called == name), key=lambda word: word.kind != kind)
     otherwise = next((word for word in alike if word.element != element and form != "usd" and word.stands(way)), None)
     here = next((word for word in own if form != "usd" and word.kind == kind and word.stands(way)), None)
-    near = get_close_matches(_INSTANCE.sub("*", name), [w.name for w in own if w.kind == kind], cutoff=0.6)
+    taken = [w for w in own if w.kind == kind and any(one.fate in ("read", "unit") for one in w.cells.values())]
+    near = get_close_matches(_INSTANCE.sub("*", name), [w.name for w in taken], cutoff=_ALIKE[form])
     if near and not (here and alike):
         # of names that are as near the one that comes first, as mu1 before mu2 for mu
         least = SequenceMatcher(None, near[0], name).ratio()
-        usual = next(w for w in own if w.kind == kind and SequenceMatcher(None, w.name, name).ratio() >= least)
+        usual = next(w for w in taken if SequenceMatcher(None, w.name, name).ratio() >= least)
     unknown = next((tag for tag in node.way[1:] if tag in _NO_TAGS), None)
     if unknown is not None:
         problem, usual = f"stands in <{unknown}>, a tag that no reader knows", table().common(form, kind)
@@ -278,9 +368,13 @@ def _stray(form: Form, node: Node, name: str, value: str, kind: Kind, element: b
         problem, usual = f"is {said[0]} here, and {form.upper()} has {said[1]} of this name", otherwise
     elif here is not None:
         other = _format_of(form, name, kind)
-        problem, usual = f"is {'no word of a' if other is None else f'{other.form.upper()}, no'} {form.upper()}", here
-    elif alike and alike[0].kind == kind:
-        problem, usual = f"stands in <{way[-1]}>, where no reader looks for it", alike[0]
+        problem, usual = (
+            f"is {f'no word of {_article(form)}' if other is None else f'{other.form.upper()}, no'} {form.upper()}",
+            here,
+        )
+    elif alike and (alike[0].kind == kind or alike[0].called != alike[0].name):
+        where = f"<{way[-1]}>" if alike[0].name == name else f"<{way[-1]}> of <{way[-2]}>"
+        problem, usual = f"stands in {where}, where no reader looks for it", alike[0]
     elif (other := _format_of(form, name, kind)) is not None:
         problem = f"is {other.form.upper()}, and unknown in {form.upper()}"
     else:
@@ -298,11 +392,15 @@ def _stray(form: Form, node: Node, name: str, value: str, kind: Kind, element: b
     if dynamics is not None and dynamics.tag == "dynamics" and dynamics.way[-2] in ("joint", "axis"):
         # URDF's parsers want one of the two, and Bullet's of SDF as well
         has = set(dynamics.attributes) if form == "urdf" else {one.tag for one in dynamics.children}
-        wanting = ("urdfdom", "bullet") if form == "urdf" else ("bullet",)
+        wanting = ("urdfdom", "sdformat", "bullet") if form == "urdf" else ("bullet",)
         if not {"damping", "friction"} & has:
             refusing |= {one.name for one in table().of(form) if one.parser in wanting}
     cells = tuple((one, Taken("refused", "the file is not loaded")) for one in sorted(refusing))
     return Found(None, kind, name, value, _place(node), node.file, node.line, problem, fix, cells=cells)
+
+
+def _article(form: Form) -> str:
+    return "a" if form.startswith("u") else "an"
 
 
 def _format_of(form: Form, name: str, kind: Kind) -> Word | None:
@@ -315,15 +413,19 @@ def _instead(form: Form, kind: Kind, word: Word | None) -> str:
     return f"write {word.written()}, in {word.unit.split(';')[0]}"
 
 
-def _with_effect(form: Form, one: Found, node: Node, nodes: Sequence[Node]) -> Found:
+_LOST: Final = {"dropped": "has no effect", "refused": "is refused with its file"}
+
+
+def _with_effect(form: Form, one: Found, node: Node, effects: Effects) -> Found:
     """The word with what takes its effect away, where it is right by itself."""
-    if one.word is None or one.problem:
+    lost = None if one.word is None or one.problem else effects.lost(one.word, one.value, node)
+    if one.word is None or lost is None:
         return one
-    lost = without_effect(form, one.word, one.value, node, nodes)
-    if lost is None:
-        return one
-    if lost.partly:
-        return replace(one, note=f"{lost.why}: {lost.fix}")
-    readers = [r for r in table().of(form) if not lost.parsers or r.parser in lost.parsers]
-    cells = tuple((r.name, Taken("dropped", lost.why)) for r in readers if one.word.taken(r.name).fate != "dropped")
-    return replace(one, problem=f"has no effect: {lost.why}", fix=lost.fix, cells=cells)
+    said = f"{lost.why}{f': {lost.fix}' if lost.fix else ''}"
+    if lost.grade == "partly":
+        return replace(one, note=said)
+    readers = [r for r in table().of(form) if not lost.readers or r.name in lost.readers]
+    cells = tuple((r.name, Taken(lost.fate, lost.why)) for r in readers if one.word.taken(r.name).fate != "dropped")
+    if lost.grade == "lost":
+        return replace(one, note=f"has no effect here: {said}", cells=cells)
+    return replace(one, problem=f"{_LOST[lost.fate]}: {lost.why}", fix=lost.fix, cells=cells)

@@ -232,8 +232,11 @@ def columns_of(path: Path, form: Form, requests: Sequence[tuple[str, str]]) -> F
 
 
 @cache
-def _exact(kind: Kind, value: float) -> FloatArray:
-    """Speed after .3 s, rad/s, for a word of ``value`` times each of ``_RATIOS``, by Runge and Kutta."""
+def _exact(kind: Kind, value: float, power: int = 1) -> FloatArray:
+    """Speed after .3 s, rad/s, for a word of ``value`` times each of ``_RATIOS``, by Runge and Kutta.
+
+    power : of the speed or the angle, of which damping or stiffness is that part of a polynomial.
+    """
     p = value * _RATIOS
     none = np.zeros_like(p)
     a, c = (p if kind == "armature" else none), (p if kind == "damping" else none)
@@ -241,7 +244,7 @@ def _exact(kind: Kind, value: float) -> FloatArray:
     load = _GRAVITY * ARM * MASS
 
     def slope(q: FloatArray, v: FloatArray) -> FloatArray:
-        found: FloatArray = (load * np.cos(q) - c * v - f * np.sign(v + 1e-12) - k * q) / (1.0 + a)
+        found: FloatArray = (load * np.cos(q) - c * v**power - f * np.sign(v + 1e-12) - k * q**power) / (1.0 + a)
         return np.where((v <= 0.0) & (f > load), 0.0, found)
 
     q, v, h = none, none, _DT
@@ -259,7 +262,7 @@ def ratio(word: Word, with_it: float, without: float) -> float:
     """The value that acts over the one written, from the speeds with and without a word."""
     assert word.probe is not None
     kind: Kind = word.kind if word.kind != "servo" else "damping" if word.name == "kv" else "spring"
-    exact = _exact(kind, word.probe.value)
+    exact = _exact(kind, word.probe.value, 2 if word.polynomial else 1)
     plain = float(np.interp(0.0, _RATIOS, exact))
     order = np.argsort(exact)
     return float(np.interp(with_it / without * plain, exact[order], _RATIOS[order]))

@@ -4,14 +4,14 @@ The file is read within the bounds of every robot's model: no document type, no 
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
 from harness.core.bounded import check_file, read_bytes
 from harness.core.errors import InputError
-from harness.robot.bare import MOST_BYTES, read_xml, with_included
+from harness.robot.bare import MOST_BYTES, Source, read_xml, with_included
 from harness.robot.paste import tags
 from harness.robot.words.table import Form
 
@@ -28,7 +28,10 @@ _USD = (".usd", ".usda", ".usdc", ".usdz")
 
 @dataclass(slots=True)
 class Node:
-    """An element, or a prim of a USD. way : names from the root down to its own. text : what stands in it, stripped."""
+    """An element, or a prim of a USD. way : names from the root down to its own.
+
+    text : what stands in it, stripped; of a prim what stands before its braces.
+    """
 
     file: Path
     line: int
@@ -63,27 +66,55 @@ def nodes_of(path: Path) -> tuple[Form, list[Node]]:
     if form is None:
         raise InputError(str(path), f"XML that begins with <{source.root.tag}>", ACCEPTED)
     sources = with_included(path) if form != "sdf" else (source,)
-    return form, [node for one in sources for node in _elements(one.path, one.text)]
+    return form, list(_elements(path, {one.path.resolve(): one for one in sources}))
 
 
-def _elements(path: Path, text: str) -> Iterator[Node]:
+def _elements(path: Path, sources: Mapping[Path, Source], within: Node | None = None) -> Iterator[Node]:
+    """Of a file; those of one that it includes stand where the include does. within : what this one is included in."""
+    text, above = sources[path.resolve()].text, within.way if within is not None else ()
     open_: list[Node] = []
     line = at = 0
     for tag in tags(text):
         line, at = line + text.count("\n", at, tag.begin), tag.begin
-        del open_[len(tag.way) - 1 :]
-        parent = open_[-1] if open_ else None
+        if within is not None and len(tag.way) == 1:
+            continue
+        depth = len(tag.way) - (2 if within is not None else 1)
+        del open_[depth:]
+        parent = open_[-1] if open_ else within
+        if tag.way[-1] == "include" and (file := _included(path, tag.attributes, sources)) is not None:
+            yield from _elements(file, sources, parent)
+            continue
         said = "" if tag.empty else text[tag.end : max(text.find("<", tag.end), tag.end)].strip()
-        node = Node(path, line + 1, tag.way, dict(tag.attributes), said, parent)
+        way = (*above, *tag.way[1:]) if within is not None else tag.way
+        node = Node(path, line + 1, way, dict(tag.attributes), said, parent)
         if parent is not None:
             parent.children.append(node)
         open_.append(node)
         yield node
 
 
+def _included(path: Path, attributes: Mapping[str, str], sources: Mapping[Path, Source]) -> Path | None:
+    first = next(iter(sources)).parent
+    file = first / attributes.get("file", "")
+    return next((one.path for at, one in sources.items() if at == file.resolve() and at != path.resolve()), None)
+
+
+def unread(form: Form, nodes: Sequence[Node]) -> list[str]:
+    """Other models that a file names and that are not read: of an SDF's include, an MJCF's asset, a USD's layers."""
+    found = []
+    for one in nodes:
+        if form == "sdf" and one.tag == "uri" and one.way[-2:-1] == ("include",):
+            found.append(one.text)
+        elif form == "mjcf" and one.way[-2:] == ("asset", "model"):
+            found.append(one.attributes.get("file", ""))
+        elif form == "usd":
+            found += re.findall(r"@([^@]+\.usd[acz]?)@", one.text)
+    return list(dict.fromkeys(name for name in found if name))
+
+
 _PRIM = re.compile(r"^\s*(?:def|over|class)\s+(?:(?P<type>\w+)\s+)?\"(?P<name>[^\"]*)\"")
 _ATTRIBUTE = re.compile(
-    r"^\s*(?:(?:custom|uniform|varying|prepend)\s+)*[\w:]+(?:\[\])?\s+(?P<name>[\w:]+)\s*=\s*(?P<value>[^#]*)"
+    r"^\s*(?:(?:custom|uniform|varying|prepend)\s+)*[\w:]+(?:\[\])?\s+(?P<name>[\w:]+)(?:\.timeSamples)?\s*=\s*(?P<value>[^#]*)"
 )
 
 
@@ -102,10 +133,12 @@ def _prims(path: Path) -> Iterator[Node]:
         if (found := _PRIM.match(line)) is not None:
             parent = open_[-1] if open_ else None
             node = Node(path, number, (*(parent.way if parent else ()), found["type"] or "Prim"), {}, "", parent)
-            node.attributes[""] = found["name"]
+            node.attributes[""], node.text = found["name"], line[found.end() :]
             open_.append(node)
             depth.append(level)
             yield node
+        elif open_ and level == depth[-1]:
+            open_[-1].text += line + "\n"
         elif open_ and (found := _ATTRIBUTE.match(line)) is not None:
             own = Node(
                 path,

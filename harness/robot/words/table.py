@@ -40,8 +40,9 @@ class Word:
     """A word of a format.
 
     at : the elements that hold it, each with its parent ("joint/dynamics"). name : of the attribute, of a child element
-    (element), or a pattern for a USD attribute. unit : as the format has it. count : numbers, at most. negative :
-    whether they may be. cells : by reader; one that is not in it drops the word.
+    (element), or a pattern for a USD attribute. unit : as the format has it. count : numbers, at most. polynomial : it
+    is that word with a number behind the first, which readers take otherwise. negative : whether they may be. cells :
+    by reader; one that is not in it drops the word.
     """
 
     form: Form
@@ -52,23 +53,31 @@ class Word:
     count: int
     negative: bool
     element: bool
+    polynomial: bool
     probe: Probe | None
     cells: Mapping[str, Taken]
 
     @property
     def key(self) -> str:
         """Unique in its format: "joint/dynamics damping"."""
-        return f"{self.at[0]} {self.name}" if self.at else self.name
+        return f"{self.at[0]} {self.name}{' polynomial' * self.polynomial}" if self.at else self.name
+
+    @property
+    def called(self) -> str:
+        """As a file calls it: by its element, where that has a value and nothing else."""
+        return self.at[0].rpartition("/")[2] if self.name == "value" else self.name
 
     def stands(self, way: tuple[str, ...]) -> bool:
         """Whether an element that holds the word may be at the end of ``way``, the names from the root down."""
         parents: tuple[str, ...] = (way[-2],) if len(way) > 1 else ("",)
-        parents = ("mujoco",) if parents == ("mujocoinclude",) else parents
+        if parents == ("mujocoinclude",):  # it may be included anywhere
+            parents = tuple(one.rpartition("/")[0] for one in self.at)
         if self.form == "mjcf" and parents[0] in _OF_BODIES:
             parents = (*parents, "body", *(one.partition("/")[0] for one in self.at if parents[0] == "default"))
             way = (*way[:-1], "fixed") if way[-1] == "tendon" else way
         return any(
-            fnmatchcase(f"{parent}/{way[-1]}", one) or (one == way[-1] and len(way) < 3)
+            fnmatchcase("/".join((*way[-1 - one.count("/") : -2], parent, way[-1])), one)
+            or (one == way[-1] and len(way) < 3)
             for one in self.at
             for parent in parents
         )
@@ -80,12 +89,12 @@ class Word:
         """The word where it belongs; of : the link or joint that it is of, where the word's element names it."""
         if self.form == "usd":
             return f"{self.name} = {value}"
-        outer, inner = ([*self.at[0].split("/"), ""])[:2]
-        outer, inner = (outer, inner) if inner else ("", outer)
+        around, outer, inner = (["", "", *self.at[0].split("/")])[-3:]
         named = f'{inner} reference="{of}"' if inner == "gazebo" else inner
         own = f"<{named}><{self.name}>{value}</{self.name}></{inner}>" if self.element else ""
         own = own or f'<{inner} {self.name}="{value}"/>'
-        return f"{own} in <{outer}>" if outer not in ("", "body") else own
+        within = f"<{outer}>{f' of <{around}>' * bool(around)}"
+        return f"{own} in {within}" if outer not in ("", "body") else own
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,8 +133,11 @@ class Table:
         return tuple(one for one in self.readers.values() if form in one.formats)
 
     def common(self, form: Form, kind: Kind) -> Word | None:
-        """The first word of a kind that a format has: the usual one."""
-        return next((one for one in self.words[form] if one.kind == kind), None)
+        """The word of a kind that most readers of a format take, the first of those: the usual one."""
+        own = [one for one in self.words[form] if one.kind == kind]
+        return max(
+            own, key=lambda one: sum(taken.fate in ("read", "unit") for taken in one.cells.values()), default=None
+        )
 
 
 @cache
@@ -158,6 +170,7 @@ def _word(form: Form, given: Mapping[str, Any], readers: Mapping[str, Reader]) -
         given.get("count", 1),
         given.get("negative", False),
         given.get("element", False),
+        given.get("polynomial", False),
         probe,
         cells,
     )
