@@ -16,6 +16,7 @@ from harness.io.columns import (
     candidates,
     is_angle,
     is_commanded,
+    is_electrical,
     is_rate,
     is_torque,
     meaning,
@@ -69,6 +70,8 @@ def chosen(table: Table, options: ReadOptions) -> Chosen:
         counted = next((table.headers[i] for i, unit in table.units.items() if STEPS.match(unit)), None)
         if counted is not None:
             what = f"{what}; {counted} is what a sensor counts"
+        if (field := next(filter(is_electrical, table.headers), None)) is not None:
+            what = f"{what}; {field} is of the motor's field: times 1/7 for 7 pole pairs"
         if columns is None and _nameless(table):
             what = f"{table.columns([0])[0].size} rows, too few for a motion, and no names that say a friction curve"
         raise RefusedError(str(table.path), what, hint, _others(table, options))
@@ -267,7 +270,7 @@ def said(table: Table, mappings: dict[str, Mapping], units: dict[str, Unit], gue
         position = table.position(mappings[channel].names[0])
         unit = units[channel].text
         shown = unit or _SI.get(channel, "s")
-        why = "" if unit else " (no unit given)"
+        why = "" if unit or position in table.dated else " (no unit given)"
         if channel == "v" and mappings[channel].unit and position not in table.units:
             name = table.names[position]
             why = "" if unit_ending(name, channel) or not is_rate(name) else " (no unit given: by name and size)"

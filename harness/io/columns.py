@@ -95,6 +95,9 @@ class Meaning:
     angle: bool = False
 
 
+_SLOPE = re.compile(r"der\((?P<of>[^()]{1,100})\)")
+_RAISED = {"x": "v", "v": "a"}
+_OF_A_COMPONENT = {"s": "x", "w": "v"}
 _ASKED = re.compile(
     r"(?<![^\W\d_])(?:soll|führungs|consign[ea]|riferimento|referencia|referência|zadan|żądan|заданн|уставка)"
     "|目标|目標|给定|設定値|设定|指令|목표|지령"
@@ -117,8 +120,19 @@ def is_magnitude(name: str) -> bool:
 
 def meaning(name: str) -> Meaning | None:
     """The channel of a column ("Position 1", "/joint_states/position[0]", "x_rad"); None for any other name."""
-    if is_commanded(name) or is_magnitude(name):
-        return None
+    return None if is_commanded(name) or is_magnitude(name) else _of_modelica(name.strip()) or _by_words(name)
+
+
+def _of_modelica(name: str) -> Meaning | None:
+    """What Modelica's names mean: a derivative, der(mass.v), and the position and rate of turning of a component."""
+    if slope := _SLOPE.fullmatch(name):
+        of = meaning(slope["of"])
+        return None if of is None or of.channel not in _RAISED else Meaning(_RAISED[of.channel], None, of.angle)
+    _, point, last = name.rpartition(".")
+    return Meaning(_OF_A_COMPONENT[last], None, last == "w") if point and last in _OF_A_COMPONENT else None
+
+
+def _by_words(name: str) -> Meaning | None:
     *before, last = re.split(r"[/.](?=[^\d])", name.strip())
     if before and last.lower() in ("x", "y", "z") and word_of(before[-1]):
         last = before[-1]  # an axis: pose.position.x
@@ -201,6 +215,11 @@ def is_period(name: str) -> bool:
 def is_of_a_turn(name: str) -> bool:
     """Whether it says that it was a turn."""
     return bool(_OF_A_TURN.search(name.lower()))
+
+
+def is_electrical(name: str) -> bool:
+    """Whether a name says revolutions of a motor's field, pole pairs times those of its rotor."""
+    return bool(re.search(r"(?<![a-z])e_?rpm(?![a-z])", name.lower()))
 
 
 def is_angle(name: str) -> bool:

@@ -35,6 +35,8 @@ from harness.io.wrapping import unwrapped
 
 _MOST_LOST = 0.05
 """Share of the samples that may be left out unasked: rows written twice, a clock set back once, an empty cell."""
+_WITH_TIME = 2
+"""Columns, a time and a channel, of which a row that lacks the channel may have lost it."""
 _AGAIN = 0.1
 """Share of a run's length behind its start up to which the time goes back where another run begins."""
 _BACKWARDS = 0.99
@@ -313,9 +315,9 @@ def _with_own_rate(table: Table, options: ReadOptions) -> tuple[ReadOptions, str
 
 def _stamped(stamps: FloatArray, unit: Unit, rows: IntArray, dated: str | None) -> tuple[FloatArray, list[str | None]]:
     """Times of the rows (n,), s, and what is said of them. dated : the first, where they are dates or times of day."""
-    t, counted = stamps[rows], f"Times are dates or times of day: t is counted from the first, {dated}."
+    t, counted = stamps[rows], f"Times are dates, times of day or spans: t is counted from the first, {dated}."
     if dated is not None:
-        return t, [counted, whole_numbers(t, unit)]
+        return t, [counted]
     with np.errstate(over="ignore", invalid="ignore"):
         t, since_1970 = since_first(t, unit)
     return t, [since_1970, whole_numbers(t, unit)]
@@ -329,6 +331,10 @@ def _whole(table: Table, columns: Sequence[FloatArray], options: ReadOptions) ->
     if last < rows.size:
         mended.append(f"The last {rows.size - last} rows, without a value in these columns, are skipped.")
         rows = rows[:last]
+    others = rows[:0] if len(columns) <= _WITH_TIME else _of_other_signals(columns)
+    if others.size:
+        mended.append(f"{others.size} rows that hold other columns alone are skipped.")
+        rows = np.setdiff1d(rows, others)
     told = np.isfinite if options.drop_nan else (lambda values: ~np.isnan(values))
     whole = rows[np.all([told(values[rows]) for values in columns], axis=0)]
     if rows.size > whole.size and (options.drop_nan or rows.size - whole.size <= max(_MOST_LOST * rows.size, 1)):
@@ -336,6 +342,11 @@ def _whole(table: Table, columns: Sequence[FloatArray], options: ReadOptions) ->
         mended.append(f"{many} rows without a value, the first of them {first}, are skipped.")
         rows = whole
     return rows, mended
+
+
+def _of_other_signals(columns: Sequence[FloatArray]) -> IntArray:
+    """The rows in which one of the columns (n,), as the time, has a value and none of the others."""
+    return np.flatnonzero(np.sum([~np.isnan(values) for values in columns], axis=0) == 1)
 
 
 def _last_value(columns: Sequence[FloatArray]) -> int:

@@ -19,6 +19,7 @@ from harness.io.columns import (
     CHANNELS,
     is_angle,
     is_commanded,
+    is_electrical,
     is_magnitude,
     is_no_motion,
     is_of_a_turn,
@@ -55,6 +56,8 @@ _SI = {"x": "m", "v": "m/s", "a": "m/s^2", "u": "N"}
 _PARTS, _FALLS, _LEFT, _ROUGH = 20, 0.02, 0.25, 0.1
 """Parts of a column whose means fall, but for so much of its largest value, to so much of it at the end, with so little
 scatter about them, where it is a speed that runs down: no swing does so."""
+_ENDS = 5
+"""Parts of a column of which the first is the largest, where it may be such a speed at all."""
 _MG = 700, 1300
 """Whole numbers that all lie so far from 0 may be mg of an accelerometer that feels its weight: asked, never taken."""
 _LONG_TURN = 1e4
@@ -128,7 +131,7 @@ def runs_of(table: Table, timed: bool = True) -> list[list[Reading]]:
 
     timed : whether a column must give the time; there is no run where none can.
     """
-    columns = _with_turning(_with_gravity(_without_norms(list(_columns(table)))))
+    columns = _with_turning(_without_noise(_with_gravity(_without_norms(list(_columns(table))))))
     periods = [one for one in columns if one.channel == "period"]
     columns = [one for one in columns if one.channel != "period"]
     unknown = [one for one in columns if not one.channel and not one.rises]
@@ -141,7 +144,7 @@ def runs_of(table: Table, timed: bool = True) -> list[list[Reading]]:
     times = times or sorted((one for one in columns if not one.channel and one.rises), key=_unevenness)[:1]
     moving = [one for one in columns if one not in times and one.channel != "t"]
     if not timed:
-        return [list(_readings([one for one in columns if one.channel != "t"], None))]
+        return [list(_readings([one for one in map(_perhaps_falling, columns) if one.channel != "t"], None))]
     clocks = {one.mark: one for one in sorted(times, key=lambda one: one.told)}
     own = [mark for mark in dict.fromkeys(one.mark for one in times) if any(one.mark == mark for one in moving)]
     if len(own) < max(len(clocks), 2):
@@ -342,6 +345,16 @@ def _runs_down(told: FloatArray) -> bool:
     return falls and told.min() > -_ROUGH * most and level[-1] < _LEFT * most and float(rough) < _ROUGH * most
 
 
+def _perhaps_falling(one: Column) -> Column:
+    """A column that nothing says, as a speed where it falls from its largest value to nearly nought and is never below
+    it: it is asked for in any case.
+    """
+    told = one.values[np.isfinite(one.values)]
+    parts = [float(part.mean()) for part in np.array_split(told, min(_ENDS, told.size))]
+    falls = not one.channel and told.min() >= 0.0 and parts[0] == max(parts) and parts[-1] < _LEFT * parts[0]
+    return replace(one, channel="v", told=_SCALED) if falls else one
+
+
 def _middles(parts: Sequence[FloatArray]) -> FloatArray:
     sizes = np.array([part.size for part in parts])
     found: FloatArray = np.cumsum(sizes) - 0.5 * (sizes + 1.0)
@@ -362,6 +375,25 @@ def _without_norms(columns: Sequence[Column]) -> list[Column]:
             if float(np.nanmax(np.abs(norm - one.values))) <= _SAME * float(np.nanmax(norm)):
                 left_out.append(one)
     return [one for one in columns if one not in left_out]
+
+
+_NOISE, _SMOOTH = 1.2, 0.5
+"""Spread of its steps over its own, of a column from which it may be noise about a level, 1.41, and up to which one
+moves from sample to sample.
+"""
+
+
+def _without_noise(columns: Sequence[Column]) -> list[Column]:
+    """The columns without those of no unit that are noise about a level, where another of a motion moves."""
+    rough = {one: _roughness(one.values) for one in columns if one.channel in ("", "x", "v", "a")}
+    if not any(rough[one] < _SMOOTH and not one.rises for one in rough):
+        return list(columns)
+    return [one for one in columns if one.unit or rough.get(one, 0.0) < _NOISE]
+
+
+def _roughness(values: FloatArray) -> float:
+    told = values[np.isfinite(values)]
+    return float(np.std(np.diff(told)) / np.std(told)) if told.size > 1 and np.ptp(told) > 0.0 else np.inf
 
 
 _NORMED = 4
@@ -413,9 +445,11 @@ def _by_name(name: str, unit: str | None) -> tuple[str, int, str]:
         return (named if named in _SI else ""), _SCALED, _SI.get(named, "m")
     if means is not None:
         return named, _UNIT if means.unit else _NAME, means.unit or ""
-    ending = unit_ending(name, named)
-    by = _SCALED if _IN_VOLTS.search(name.lower()) else _NAME if named else _NUMBERS
-    return (ending[0], _UNIT, ending[1]) if ending else (named, by, "")
+    electric = is_electrical(name)
+    ending = None if electric else unit_ending(name, named)
+    by = _SCALED if electric or _IN_VOLTS.search(name.lower()) else _NAME if named else _NUMBERS
+    bare = ("v", by, "rpm") if electric else (named, by, "")
+    return (ending[0], _UNIT, ending[1]) if ending else bare
 
 
 def _is_count(header: str, told: FloatArray, steps: FloatArray) -> bool:

@@ -13,16 +13,13 @@ from harness.io.units import Unit
 
 _DAY, _HOUR, _MINUTE = 86_400.0, 3600.0, 60.0
 _STAMP = re.compile(
-    r"(?:(?P<day>\d{4}-\d\d-\d\d|\d\d?[./]\d\d?[./]\d{4}|\d\d?-[A-Z][a-z]{2}-\d{4})[T ])?"
+    r"(?:(?P<day>\d{4}-\d\d-\d\d|\d\d?[./]\d\d?[./]\d{4}|\d\d?-[A-Z][a-z]{2}-\d{4})[T ]|(?P<days>\d{1,5}) days? )?"
     r"(?P<h>\d\d?):(?P<m>\d\d):(?P<s>\d\d(?:[.,:]\d{1,12})?)(?P<half> ?[AP]M)?(?P<zone>Z|[+-]\d\d:?\d\d)?"
 )
 
 
 _BASIC = re.compile(r"(\d{4})(\d\d)(\d\d)T(\d\d)(\d\d)(?=\d\d)")
 """A date and a time of day without what parts their numbers."""
-_LASTED = re.compile(r"(?P<value>[+-]?\d{1,12}(?:\.\d{1,12})?) ?(?P<unit>sec|s|ms|min|hr)")
-"""A duration with its unit in the cell."""
-_LENGTHS = {"sec": 1.0, "s": 1.0, "ms": 1e-3, "min": 60.0, "hr": 3600.0}
 _NOON = _MONTHS = 12
 _MINUTES = re.compile(r"(?P<m>\d{1,3}):(?P<s>[0-5]\d[.,]\d{1,9})")
 """Of a stop watch; hours and minutes have no fraction."""
@@ -52,9 +49,9 @@ class Clock:
         """
         found = _STAMP.fullmatch(_BASIC.sub(r"\1-\2-\3T\4:\5:", text.strip()))
         if found is None:
-            return self._lasted(text.strip())
+            return self._of_a_stop_watch(text.strip())
         try:
-            day = _day(found["day"]) if found["day"] else 0
+            day = _day(found["day"]) if found["day"] else int(found["days"] or 0)
         except ValueError:
             return None
         seconds = _HOUR * int(found["h"]) + _MINUTE * int(found["m"]) + float(re.sub("[,:]", ".", found["s"]))
@@ -64,21 +61,18 @@ class Clock:
             zone = found["zone"].replace(":", "")
             ahead = _HOUR * int(zone[1:3]) + _MINUTE * int(zone[3:5])
             seconds += -ahead if zone[0] == "+" else ahead
-        if not found["day"]:  # past midnight a time of day begins again
+        if not found["day"] and not found["days"]:  # past midnight a time of day begins again
             self._nights += seconds < self._last - 0.5 * _DAY
             day, self._last = self._nights, seconds
         if not self.first:
             self.first, self._day, self._seconds = text.strip(), day, seconds
         return (day - self._day) * _DAY + (seconds - self._seconds)
 
-    def _lasted(self, text: str) -> float | None:
-        found, short = _LASTED.fullmatch(text), _MINUTES.fullmatch(text)
-        if short is not None:
-            seconds = _MINUTE * int(short["m"]) + float(short["s"].replace(",", "."))
-        elif found is not None:
-            seconds = float(found["value"]) * _LENGTHS[found["unit"]]
-        else:
+    def _of_a_stop_watch(self, text: str) -> float | None:
+        short = _MINUTES.fullmatch(text)
+        if short is None:
             return None
+        seconds = _MINUTE * int(short["m"]) + float(short["s"].replace(",", "."))
         if not self.first:
             self.first, self._seconds = text, seconds
         return seconds - self._seconds

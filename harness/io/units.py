@@ -165,6 +165,8 @@ def _in_brackets(header: str) -> tuple[str, str | None]:
     text = header.strip().translate(_WIDE)
     if len(text) > 1 and text in _USUAL:
         return text, text
+    if text.startswith("der("):  # Modelica's derivative
+        return text, None
     short = text if len(text) <= _LONGEST else ""
     if behind := _BEHIND.match(short):
         return f"{behind['name']} {behind['tail']}", behind["unit"].strip()

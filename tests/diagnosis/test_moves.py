@@ -92,6 +92,17 @@ def test_a_load_cell_that_nothing_loads_does_not_drive_what_moves_freely(kind: s
     assert "u" in without_idle_force(pushed)
 
 
+def test_the_force_of_its_own_spring_does_not_drive_what_swings() -> None:
+    moved = CASES["free-decay"]()
+    spring = 49.0 * moved["x"] + 0.01 * np.random.default_rng(6).standard_normal(len(moved))
+    found = without_idle_force(replace(moved, channels={**moved.channels, "u": spring}))
+    assert "u" not in found
+    assert "that of its own spring" in " ".join(found.notes)
+    driven = CASES["driven"]()
+    held = without_idle_force(replace(driven, channels={**driven.channels, "u": 49.0 * driven["x"]}))
+    assert "u" in held
+
+
 @pytest.mark.parametrize("kind", CASES)
 def test_a_motion_is_told_and_why(kind: str) -> None:
     found = harness.motion(CASES[kind]())

@@ -322,3 +322,35 @@ def test_a_page_of_the_web_is_no_table(tmp_path: Path) -> None:
     path.write_text("<!DOCTYPE html>\n<html>404, no such file</html>\n")
     with pytest.raises(InputError, match="a page of the web or XML"):
         read_recording(path)
+
+
+def test_edges_of_a_pulse_are_turns_when_somebody_says_so(tmp_path: Path) -> None:
+    """Of a logic analyser's rows, one for each edge: those that rise, and not the level at the start."""
+    up = np.cumsum(np.linspace(0.05, 0.4, 120))
+    edges = [f"{t:.9f},1\n{t + 0.002:.9f},0" for t in up]
+    path = tmp_path / "digital.csv"
+    path.write_text("\n".join(["Time [s],Channel 0", "0.000000000,0", *edges]) + "\n")
+    with pytest.raises(InputError, match=r"t='Time \[s\]',x=#0\[rev\]"):
+        read_recording(path)
+    found = read_recording(path, ReadOptions(columns="t='Time [s]',x=#0[rev]"))
+    np.testing.assert_allclose(found.t, up, atol=1e-9)
+    np.testing.assert_allclose(found["x"], 2.0 * np.pi * np.arange(120))
+
+
+def test_turns_of_a_motors_field_are_asked_before_a_gyroscope_that_stands(tmp_path: Path) -> None:
+    t, rng = np.arange(500) / 500.0, np.random.default_rng(1)
+    erpm = np.round(600.0 * np.exp(-4.0 * t))
+    head = "time (us),gyroADC[0],gyroADC[1],eRPM[0]"
+    path = written(tmp_path / "log.csv", head, 1e6 * t, *rng.integers(-2, 3, (2, 500)).astype(float), erpm)
+    with pytest.raises(InputError, match=r"eRPM\[0\] is of the motor's field.*v='eRPM\[0\]'\[rpm\]"):
+        read_recording(path)
+
+
+def test_a_lone_column_that_falls_to_nought_is_proposed_as_a_speed(tmp_path: Path) -> None:
+    """However rough: a GPS's speed of a coasting bicycle."""
+    rng = np.random.default_rng(2)
+    v = np.abs(np.linspace(29.0, 0.0, 160) * (1.0 + 0.15 * rng.standard_normal(160)))
+    path = tmp_path / "coast.csv"
+    path.write_text("\n".join(f"{one:.3f}" for one in np.concatenate((v, [0.0]))) + "\n")
+    with pytest.raises(InputError, match='--columns "v=#1" --rate HZ'):
+        read_recording(path)

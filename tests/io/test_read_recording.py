@@ -301,7 +301,9 @@ def _dated(tmp_path: Path, row: str) -> Path:
 def test_a_recording_with_dates(tmp_path: Path) -> None:
     found = read_recording(_dated(tmp_path, "2026-11-24T00:00:00Z,0.5\n"))
     assert found.t == pytest.approx(0.01 * np.r_[np.arange(199), 200], abs=1e-9)
-    assert "Times are dates or times of day: t is counted from the first, 2026-11-23T23:59:58.000Z." in found.notes
+    assert (
+        "Times are dates, times of day or spans: t is counted from the first, 2026-11-23T23:59:58.000Z." in found.notes
+    )
 
 
 @pytest.mark.parametrize("unit", ["ns", "us", "ms"])

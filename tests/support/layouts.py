@@ -807,6 +807,82 @@ def written_in_russia(folder: Path, m: Motion, rng: np.random.Generator) -> tupl
     return path, {"t": m.t, "x": m.x, "v": m.v}
 
 
+def rockwell(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Settings in lines of other widths, and the ms of a time of day behind a semicolon."""
+    head = [
+        'Controller Name:,"Line3"', "Trend Name:,Axis", "Trend Tags:,1", f"Sample Period:,{1e3 * m.t[1]:g},ms",
+        'Description:,""', "Start Time:,3/14/2026;15:04:05", "Header:,Date,Time,Axis01.ActualPosition",
+    ]  # fmt: skip
+    ms = np.round(1e3 * m.t).astype(int)
+    body = [f"Data,3/14/2026,15:04:{5 + k // 1000:02d};{k % 1000:03d},{x:.6f}" for k, x in zip(ms, m.x, strict=True)]
+    return lines(folder / "trend.csv", *head, *body, end="\r\n"), {"t": m.t, "x": m.x}
+
+
+def fit_csv(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Messages of several kinds; each line names its fields, in no fixed order, and counts stamps from 1989."""
+    names = ",".join(f"Field {i},Value {i},Units {i}" for i in (1, 2, 3))
+    head = [
+        f"Type,Local Number,Message,{names},",
+        "Definition,0,file_id,serial_number,1,,time_created,1,,type,1,,",
+        'Data,0,file_id,serial_number,"3993",,time_created,"1049300000",,type,"4",,',
+        "Definition,1,record,timestamp,1,,distance,1,,enhanced_speed,1,,",
+    ]
+    t, speed = np.arange(m.t.size, dtype=float), np.linspace(12.0, 0.2, m.t.size)
+    gone = np.concatenate(([0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))))
+    told = [(f'timestamp,"{1049300000 + k}",s', f'distance,"{x:.3f}",m', f'enhanced_speed,"{v:.4f}",m/s')
+            for k, (x, v) in enumerate(zip(gone, speed, strict=True))]  # fmt: skip
+    body = [f"Data,1,record,{','.join(one if k % 5 else one[::-1])}," for k, one in enumerate(told)]
+    event = 'Data,2,event,timestamp,"1049300009",s,event,"0",,,,,'
+    return lines(folder / "ride.csv", *head, *body[:9], event, *body[9:]), {"t": t, "x": gone, "v": speed}
+
+
+def dashboard(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """A unit in each cell."""
+    body = [
+        f"2026-03-14 15:04:{5 + int(t):02d}.{round(1e3 * (t % 1)):03d},{1e3 * x:.4f} mm"
+        for t, x in zip(np.round(m.t, 3), m.x, strict=True)
+    ]
+    return lines(folder / "panel.csv", '"Time","Piston travel"', *body), {"t": m.t, "x": m.x}
+
+
+def spans(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Times since the start, as pandas writes them."""
+    body = [f"0 days 00:00:{t:09.6f},{x:.6f}" for t, x in zip(m.t, m.x, strict=True)]
+    return lines(folder / "frame.csv", ",position_m", *body), {"t": m.t, "x": m.x}
+
+
+def phone_records(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Records of all sensors in one list, their numbers as text."""
+    axes, start = _axes(m.v, rng), 1700000000123456789
+    found: list[dict[str, str]] = [{"version": "1", "platform": "android"}]
+    for k, t in enumerate(m.t):
+        stamp = {"time": str(start + round(1e9 * t)), "seconds_elapsed": f"{t + 0.2:.7f}"}
+        found.append({"sensor": "Accelerometer", **stamp, "z": "9.81", "y": f"{m.a[k]:.7f}", "x": "0.01"})
+        of_axes = {name: f"{axes[i][k]:.9f}" for i, name in enumerate("xyz")}
+        found.append({"sensor": "Gyroscope", **stamp, **of_axes})
+    path = folder / "pendulum.json"
+    path.write_text(json.dumps(found))
+    return path, {"t": m.t, "v": axes[1]}
+
+
+def modelica(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """A component's position is called s, and a derivative der(mass.v)."""
+    head = '"time","mass.s","mass.v","der(mass.v)"'
+    return lines(folder / "exported.csv", head, *rows(",", m.t, m.x, m.v, m.a)), {
+        "t": m.t, "x": m.x, "v": m.v, "a": m.a,
+    }  # fmt: skip
+
+
+def plot_juggler(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Rows of another topic lie between those of a joint."""
+    head = "__time,/joint_states/elbow/position,/joint_states/elbow/velocity,/tf/age"
+    body = [
+        f"{1.7e9 + t:.6f},{x:.6f},{v:.6f},\n{1.7e9 + t + 0.001:.6f},,,{0.01 + 0.002 * (k % 7)}"
+        for k, (t, x, v) in enumerate(zip(m.t, m.x, m.v, strict=True))
+    ]
+    return lines(folder / "bag.csv", head, *body), {"t": m.t, "x": m.x, "v": m.v}
+
+
 WRITERS: dict[str, Writer] = {
     one.__name__: one
     for one in (
@@ -820,6 +896,6 @@ WRITERS: dict[str, Writer] = {
         imu_in_g, french, tachometer, logger_pro, graphical_analysis_archive, thousands_parted, motive_in_mm, twincat,
         odrive_gui, mso, boards_log, serial_days, written_in_japan, written_by_r, two_levels, dated_records,
         sensors_numbers, by_powers, unit_for_a_name, gyroscope_bare, asked_and_measured, yokogawa, graphtec, stopwatch,
-        quoted_commas, written_in_russia,
+        quoted_commas, written_in_russia, rockwell, fit_csv, dashboard, spans, phone_records, modelica, plot_juggler,
     )
 }  # fmt: skip

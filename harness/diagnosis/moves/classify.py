@@ -14,6 +14,8 @@ from harness.model.model import Restoring
 
 _SHORT = 0.03
 """Of the time, after which noise about a level has forgotten where it was."""
+_SPRING = 0.999
+"""Correlation of a force with the position, from which it is that of the spring: a sensor's noise is below 4 %."""
 _STAYS, _DIRECT = 0.35, 1.58
 """Share of the time at places, and way over distance between them, of what is sent there: what is let go swings on."""
 _OR_NOT = ", as a sensor drifts (--restoring none reads it as a run-down)"
@@ -50,19 +52,22 @@ _FREE = (MotionKind.FREE_DECAY, MotionKind.SEVERAL_DECAYS, MotionKind.RUN_DOWN)
 
 
 def without_idle_force(recording: Recording) -> Recording:
-    """A recording without a force that is noise about a level while it swings or runs down: nothing drives it there.
+    """A recording without a force that is noise about a level while it swings or runs down, or that of its own spring:
+    nothing drives it there.
 
     What noise shakes does not become smaller with each half-cycle.
     """
     if recording.steady or "u" not in recording or not np.ptp(recording["u"]):
         return recording
     force = Series.of(recording.t, recording["u"])
-    if force.smooth or force.memory > _SHORT:
+    if _is_of_a_spring(recording):
+        like = "proportional to the position, as that of its own spring,"
+    elif not force.smooth and force.memory <= _SHORT:
+        like = f"noise about {float(np.mean(recording['u'])):.3g}"
+    else:
         return recording
-    column, level = recording.columns.get("u", "u"), float(np.mean(recording["u"]))
-    said = (
-        f"The force, {column}, is noise about {level:.3g} while it moves freely: not used; u in --columns has it act."
-    )
+    column = recording.columns.get("u", "u")
+    said = f"The force, {column}, is {like} while it moves freely: not used; u in --columns has it act."
     free = replace(
         recording,
         channels={name: values for name, values in recording.channels.items() if name != "u"},
@@ -71,6 +76,12 @@ def without_idle_force(recording: Recording) -> Recording:
         notes=(*recording.notes, said),
     )
     return free if classify(free).kind in _FREE else recording
+
+
+def _is_of_a_spring(recording: Recording) -> bool:
+    if "x" not in recording or not np.ptp(recording["x"]):
+        return False
+    return abs(float(np.corrcoef(recording["x"], recording["u"])[0, 1])) > _SPRING
 
 
 def _forced(series: Series, name: str) -> Moves:

@@ -185,6 +185,10 @@ def _rows(raw: Raw, file: str, drop_nan: bool) -> Raw:
     channels = [("t", raw.t, LONGEST_TIME)]
     channels += [(f"{joint}.{kind}", y, LARGEST) for kind, of in kept.items() for joint, y in of.items()]
     notes = raw.notes
+    others = np.all([np.isnan(y) for _, y, _ in channels[1:]], axis=0)
+    if len(channels) > 2 and others.any() and not others.all():
+        notes = (*notes, f"{int(np.count_nonzero(others))} {raw.rows}s that hold other columns alone are skipped.")
+        raw, channels = _at(raw, ~others), [(name, y[~others], most) for name, y, most in channels]
     if drop_nan:
         whole = ~np.any([np.isnan(y) for _, y, _ in channels], axis=0)
         if not whole.all():

@@ -1,6 +1,7 @@
 """JSON and JSON lines: a list of records, or lists by name, wherever in the document the longest stands."""
 
 import json
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -9,10 +10,13 @@ import numpy as np
 
 from harness.core.bounded import read_bytes
 from harness.core.errors import InputError
+from harness.io.columns import word_of
 from harness.io.reader import Reader
 from harness.io.table import ArrayTable, held, table_of_arrays
 from harness.io.times import Clock
 
+_QUOTED = re.compile(r"[+-]?\d{1,30}(?:\.\d{0,30})?(?:[eE][+-]?\d{1,3})?")
+"""A number as text."""
 _MOST_NAMES = 256
 """Columns that are made of records."""
 _ACCEPTED = "a list of records, or lists of numbers by name"
@@ -27,6 +31,7 @@ def open_json(path: Path) -> ArrayTable:
         content = [json.loads(line) for line in text.splitlines() if line.strip()] if lines else json.loads(text)
     except (ValueError, RecursionError) as error:
         raise InputError(str(path), f"not JSON ({error})", _ACCEPTED) from None
+    content, others = _of_one_sensor(content)
     best = _runs(content) or max(_tables(content), key=lambda one: max(map(len, one.values())), default={})
     if not best:
         raise InputError(str(path), "no table in it", _ACCEPTED)
@@ -35,7 +40,34 @@ def open_json(path: Path) -> ArrayTable:
     table = table_of_arrays(path, {name: held(values) for name, values in columns.items()})
     firsts = [clock.first for clock in clocks.values()]
     table.dated |= {i: first for i, first in enumerate(firsts) if first}
+    table.mended += [others] if others else []
     return table
+
+
+_SENSOR = "sensor"
+"""The key by which a phone's records say whose they are."""
+
+
+def _of_one_sensor(content: Any) -> tuple[Any, str]:
+    """The records of one sensor, where those of several stand in one list, their keys before its name, and the sentence
+    that says which; of these, one of speed goes before one of acceleration, and that before any other.
+    """
+    rows = content if isinstance(content, list) else []
+    found: dict[str, list[dict[str, Any]]] = {}
+    for row in rows:
+        if isinstance(row, dict) and isinstance(row.get(_SENSOR), str):
+            found.setdefault(row[_SENSOR], []).append(row)
+    if not found:
+        return content, ""
+    order = ("x", "v", "a")
+    rank = {name: order.index(channel) if (channel := word_of(name)) in order else len(order) for name in found}
+    name = min(found, key=lambda one: (rank[one], -len(found[one])))
+    own = [{f"{name}.{key}" if key in _AXES else key: value for key, value in row.items()} for row in found[name]]
+    shown = ", ".join(found)
+    return own, f"Of the sensors {shown}, {name} is read." if len(found) > 1 else ""
+
+
+_AXES = ("x", "y", "z")
 
 
 _SYSID = {"fast-forward", "fast-backward", "slow-forward", "slow-backward"}
@@ -86,15 +118,15 @@ def _flat(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:
 
 
 def _is_number(value: Any) -> bool:
-    """Whether a value is a number, none, or a date with its time of day."""
+    """Whether a value is a number, in quotes too, none, or a date with its time of day."""
     if isinstance(value, str):
-        return Clock().seconds(value) is not None
+        return bool(_QUOTED.fullmatch(value)) or Clock().seconds(value) is not None
     return value is None or (isinstance(value, int | float) and not isinstance(value, bool))
 
 
 def _number(value: Any, clock: Clock) -> float:
     if isinstance(value, str):
-        seconds = clock.seconds(value)
+        seconds = float(value) if _QUOTED.fullmatch(value) else clock.seconds(value)
         return float("nan") if seconds is None else seconds
     return float("nan") if value is None else float(value)
 
