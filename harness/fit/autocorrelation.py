@@ -37,7 +37,8 @@ def memory(series: FloatArray, longest: int | None = None, begins: tuple[int, ..
     of which remembers the one before.
     """
     size = series.size
-    spectrum = np.sum([np.abs(np.fft.rfft(own, 2 * size)) ** 2 for own in np.split(series, begins)], axis=0)
+    apart = np.split(series, begins) if begins else [series]
+    spectrum = sum(np.abs(np.fft.rfft(own, 2 * size)) ** 2 for own in apart)
     lagged = np.fft.irfft(spectrum)[: max(int(_LONGEST * size) if longest is None else longest + 1, 2)]
     if lagged[0] <= 0.0:
         return Memory(1.0, size)

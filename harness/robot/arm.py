@@ -55,10 +55,12 @@ class Arm:
             for j, (ratio, start) in groups[lead].items():
                 q[:, j], v[:, j], a[:, j] = start + ratio * q[:, lead], ratio * v[:, lead], ratio * a[:, lead]
         found = np.empty_like(q)
+        # each look at an array of MuJoCo's makes it anew
+        here, speed, rate, torque = data.qpos, data.qvel, data.qacc, data.qfrc_inverse
         for i in range(q.shape[0]):
-            data.qpos[:], data.qvel[:], data.qacc[:] = q[i], v[i], a[i]
+            here[:], speed[:], rate[:] = q[i], v[i], a[i]
             mujoco.mj_inverse(model, data)
-            found[i] = data.qfrc_inverse
+            found[i] = torque
         if groups:
             found = np.stack([sum(r * found[:, j] for j, (r, _) in group.items()) for group in groups], axis=1)
         return found

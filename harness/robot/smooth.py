@@ -3,10 +3,11 @@
 import math
 from collections.abc import Container
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
+from harness.core.arrays import ComplexArray, FloatArray
 from harness.core.robot.joint_log import JointLog
 from harness.robot.arm import Arm
 
@@ -89,16 +90,15 @@ class Band:
         slope = (y[last] - y[0]) / last
         flat = y - y[0] - slope * np.arange(y.shape[0], dtype=np.float64).reshape(wide)
         spectrum = np.fft.rfft(np.concatenate((flat[:last], flat[last:0:-1] * -1.0)), axis=0)
-        kept = 2 * (out.size - 1)
-        f = np.arange(kept // 2 + 1) * self.rate / (2 * last)
-        shape = np.sinc(f / self.rate) if means else 1.0
-        turn = (2j * math.pi * f).reshape(wide)
-        part = spectrum[: f.size] * (self.gain(f) / shape * (f < out.rate / 2.0)).reshape(wide)
-        part = part * np.exp(turn * late) / step
+        turn, gain = (one.reshape(wide) for one in _passed(self, out, last, means))
+        part = spectrum[: turn.size] * gain
+        if late != 0.0:
+            part = part * np.exp(turn * late)
+        part = part / step
         line = y[0] + slope * late * self.rate + slope * step * np.arange(out.size).reshape(wide)
         added = (line, slope * self.rate, 0.0)
         return [
-            np.fft.irfft(part * turn**order, kept, axis=0)[: out.size] + added[order]
+            np.fft.irfft(part * turn**order if order else part, 2 * (out.size - 1), axis=0)[: out.size] + added[order]
             for order in range(derivatives + 1)
         ]
 
@@ -107,6 +107,16 @@ class Band:
         """Samples that no end of the series reaches."""
         edge = math.ceil(_TRIM * self.rate / self.lowpass)
         return slice(edge, self.size - edge)
+
+
+@lru_cache(maxsize=64)
+def _passed(band: Band, out: Band, last: int, means: bool) -> tuple[ComplexArray, FloatArray]:
+    """At the frequencies (m,) of a series of ``last`` steps that ``out`` has too: by what a derivative turns them (m,),
+    rad/s, and the gain (m,), that of the means undone. Asked for again and again, and dearer than the transform.
+    """
+    f = np.arange(out.size) * band.rate / (2 * last)
+    shape = np.sinc(f / band.rate) if means else 1.0
+    return np.asarray(2j * math.pi * f, dtype=np.complex128), band.gain(f) / shape * (f < out.rate / 2.0)
 
 
 @dataclass(frozen=True, slots=True)

@@ -65,7 +65,7 @@ def test_noise_with_gaps_is_whitened_to_unit_size() -> None:
     # denser at higher frequencies, so that nothing is raised
     fresh = np.random.default_rng(2).standard_normal(6000)
     stretches, series = Stretches.of(kept), np.asarray(lfilter([1.0], [1.0, 0.5], fresh))
-    white = Noise.learnt(series, stretches, 0).whitened(series, stretches)
+    white = Noise.learnt(series, stretches, 0).whitening(stretches).of(series)
     assert white.size == np.sum(kept)
     assert np.std(white) == pytest.approx(1.0, abs=0.03)
     assert abs(np.mean(white[1:] * white[:-1])) < 0.05

@@ -5,11 +5,12 @@ The noise of a filtered series with gaps is an autoregression learnt on stretche
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
 from scipy.fft import next_fast_len
+from scipy.sparse import csr_array
 from scipy.special import gammaincc, gammaln, ndtri_exp
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
@@ -90,15 +91,30 @@ class Noise:
             powers.append(powers[-1] * (1.0 - found**2))
         return cls(tuple(predictors), np.sqrt(np.maximum(powers, 1e-300)))
 
-    def whitened(self, series: FloatArray, stretches: Stretches) -> FloatArray:
-        """Kept samples (k, ...) of a series (m, ...) as errors of prediction in units of theirs."""
-        found = np.zeros_like(series, dtype=np.float64)
+    def whitening(self, stretches: Stretches) -> "Whitening":
+        """What makes a series' kept samples errors of prediction in units of theirs."""
+        weights = np.zeros((_ORDER + 1, _ORDER + 1))
         for k, predictor in enumerate(self.predictors):
-            rows = np.flatnonzero(stretches.depth >= _ORDER if k == _ORDER else stretches.depth == k)
-            for lag in range(k + 1):
-                found[rows] += predictor[lag] * series[rows - lag]
-            found[rows] /= self.sigma[k]
-        return found[stretches.kept]
+            weights[k, : k + 1] = predictor
+        rows = np.flatnonzero(stretches.kept)
+        order = np.minimum(stretches.depth[rows], _ORDER)
+        ends = np.concatenate(([0], np.cumsum(order + 1)))
+        lag = np.arange(ends[-1]) - np.repeat(ends[:-1], order + 1)
+        terms = weights[np.repeat(order, order + 1), lag], np.repeat(rows, order + 1) - lag, ends
+        return Whitening(csr_array(terms, (rows.size, stretches.kept.size)), self.sigma[order])
+
+
+@dataclass(frozen=True, slots=True)
+class Whitening:
+    """predicted (k, m) : error of predicting each kept sample of a series. sigma (k,) : its standard deviation."""
+
+    predicted: csr_array
+    sigma: FloatArray
+
+    def of(self, series: FloatArray) -> FloatArray:
+        """Kept samples (k, ...) of a series (m, ...), whitened."""
+        found = self.predicted @ series.reshape(series.shape[0], -1) / self.sigma[:, None]
+        return np.asarray(found.reshape(-1, *series.shape[1:]))
 
 
 _FAR = 300.0
@@ -169,10 +185,14 @@ class Part:
     stretches: Stretches
     noise: Noise
     floor: float
+    whitening: Whitening = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "whitening", self.noise.whitening(self.stretches))
 
     def white(self, columns: FloatArray) -> FloatArray:
         """Guarded samples of columns (m, ...), whitened."""
-        return self.noise.whitened(columns, self.stretches)
+        return self.whitening.of(columns)
 
     def expected(self, other_viscous: bool) -> FloatArray:
         """The spread (p,) of the base's numbers; other_viscous : another law is viscous friction, none is beside."""

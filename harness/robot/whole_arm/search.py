@@ -126,7 +126,7 @@ def _guarded(
         if np.sum(filtered.away(joint, width * _WIDER)) < max(LEAST_SAMPLES.value, 0.5 * np.sum(kept)):
             break
         wider = plain(width * _WIDER)
-        white = wider[3].whitened(base, Stretches.of(wider[1]))
+        white = wider[3].whitening(Stretches.of(wider[1])).of(base)
         if abs(wider[2][0] - coulomb) < float(np.sqrt(np.linalg.pinv(white.T @ white)[0, 0])):
             break
         found = wider

@@ -7,6 +7,7 @@ comes from how the reversals agree with each other: what is common to a reversal
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import accumulate
 
 import numpy as np
 from scipy.special import betainc
@@ -183,11 +184,9 @@ def bristles(q: FloatArray, length: float) -> FloatArray:
     """Share (M,) of Coulomb friction along a path q (M,) by Dahl's law, exact on each straight step."""
     step = np.diff(q)
     sign, kept = np.sign(step), np.exp(-np.abs(step) / length)
-    found = np.empty(q.size)
-    found[0] = state = float(sign[0])
-    for i in range(step.size):
-        found[i + 1] = state = sign[i] + (state - sign[i]) * kept[i]
-    return found
+    # of plain numbers: those of an array are made one by one
+    steps = zip(sign.tolist(), kept.tolist(), strict=True)
+    return np.array(list(accumulate(steps, lambda state, s: s[0] + (state - s[0]) * s[1], initial=float(sign[0]))))
 
 
 def _tried(
