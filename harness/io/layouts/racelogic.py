@@ -8,8 +8,8 @@ from collections.abc import Callable, Sequence
 from harness.io.layout import Head, Layout
 
 _CLOCK = re.compile(r"(\d\d?)([0-5]\d)([0-5]\d(?:[.,]\d{1,9})?)")
-_SAID = re.compile(r"\s*[\[(]\s*hhmmss(?:\.s{1,6})?\s*[\])]", re.IGNORECASE)
-"""What a header says of such a time."""
+_SAID = re.compile(r"(?<!\s)\s*[\[(]\s*hhmmss(?:\.s{1,6})?\s*[\])]", re.IGNORECASE)
+"""What a header says of such a time; a run of blanks is looked through once, however long."""
 
 
 def _find(lines: Sequence[str], name: str) -> Head | None:
