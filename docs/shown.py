@@ -33,7 +33,7 @@ PAGES = (
 GIVEN = (DOCS / "example" / "rig.csv", DOCS.parent / "models" / "arm" / "arm.xml")
 _BLOCK = re.compile(r"(?<=^```console\n)\$ .*?(?=^```$)", re.MULTILINE | re.DOTALL)
 _FILE = re.compile(r"^`(\S+\.\w+)`:\n\n```\w+\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-_ELSEWHERE = re.compile(r"^(report|trajectory): |^what was found costs ")
+_ELSEWHERE = re.compile(r"^(report|trajectory): |^(what was found|- For that it) costs ")
 """Lines of paths, and of times that are another machine's."""
 _WIDTH = 110
 

@@ -29,8 +29,10 @@ class SceneMotion(Result):
     slip_m_s: float = Field(description="at which the contacts themselves slide, mean")
     travel_m: float = Field(description="over the whole run")
     deceleration_m_s2: float | None = Field(description="of a motion; null where none is read")
-    cone_use: float | None = Field(description="share of the friction cones, weighed by force; null without contact")
-    lost_s: float | None = Field(description="time of the last contact, where it ends; null: it does not")
+    cone_use: float | None = Field(
+        description="share of the friction cones, weighed by force, until it is let go; null without contact"
+    )
+    lost_s: float | None = Field(description="time of the last contact with what holds it; null: it does not end")
     diverged_after: int | None = Field(description="steps; null: it does not")
     steps_per_s: float
 
@@ -71,6 +73,7 @@ class SceneResult(SceneMotion, Paged):
     version: str
     body: str
     bearer: str = Field(description="the body it is pressed against most, which motions are measured from")
+    bearers: list[str] = Field(default=[], description="all bodies that hold it, under dry friction")
     start: str = Field(description="keyframe it begins at; empty: the model's reference")
     duration_s: float
     step_s: float

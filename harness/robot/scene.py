@@ -8,7 +8,7 @@ holds; what does not change is the motion.
 import math
 import time
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -44,8 +44,11 @@ _HELD = 0.2
 """Of the creep of the softest elliptic cone, to which a harder one has to bring it where friction holds."""
 _ALIKE = 0.01
 """Of a motion, by which it may differ from that of dry friction."""
+_LEAVES = 0.1
+"""Of a run, by which a body may be let go earlier or later."""
 _EFFORT = {"solver": "Newton", "iterations": 100, "ls_iterations": 50}
 """What MuJoCo ships with: enough for friction."""
+_ELLIPTIC = {"cone": "elliptic", "noslip_iterations": 0, **_EFFORT}
 _HARDER = (10.0, 100.0, 1000.0, 10000.0)
 _NOSLIP = 10
 _SPARSE = "4.0.0"
@@ -60,8 +63,9 @@ _SECONDS, _BUDGET = 300, 90.0
 class Moved:
     """A run: what its later half shows.
 
-    creep : m/s. spin, roll : rad/s. lift : m. slip : of the contacts, m/s. use : of the friction cones. deceleration :
-    of the motion, m/s^2. travel : across the contact over the whole run, m. lost : s. diverged : steps. See ``Seen``.
+    creep : m/s. spin, roll : rad/s. lift : m. slip : of the contacts, m/s. use : of the friction cones, of the whole
+    run for a body that is let go. deceleration : of the motion, m/s^2. travel : across the contact over the whole run,
+    m. lost : s. diverged : steps. See ``Seen``.
     """
 
     creep: float
@@ -80,7 +84,8 @@ class Moved:
     @classmethod
     def of(cls, seen: Seen) -> "Moved":
         return cls(
-            seen.creep, seen.spin, seen.roll, seen.lift, seen.slip, seen.use, seen.deceleration,
+            seen.creep, seen.spin, seen.roll, seen.lift, seen.slip,
+            seen.use if seen.lost is None else seen.strained, seen.deceleration,
             float(np.linalg.norm(seen.path[-1] - seen.path[0])), seen.touching, seen.lost, seen.diverged,
             seen.steps_per_s,
         )  # fmt: skip
@@ -104,17 +109,18 @@ class Tried:
 class Watched:
     """A body of a scene.
 
-    body, bearer : names. start : keyframe, empty for the model's reference. step, duration : s. options : of the file.
-    own : as the file has it. expected : as dry friction would do. rests : whether that is no motion. moved : which of
-    slide, spin, roll, lift, let go, diverges are the engine's own. tried : in order, the least first. change : what
-    mends it, or comes nearest. text : the file with that, and its name. proved : the changed text was run, and does.
-    dense_differs : largest distance between dense and sparse Jacobians, m, where the version calls for it. curves : by
-    name, t, slid (m), lifted (m), spun (rad), (n,) each.
+    body, bearer : names; bearers : of all that hold it. start : keyframe, empty for the model's reference. step,
+    duration : s. options : of the file. own : as the file has it. expected : as dry friction would do. rests : whether
+    that is no motion. moved : which of slide, spin, roll, lift, let go, diverges are the engine's own. tried : in
+    order, the least first. change : what mends it, or comes nearest. text : the file with that, and its name. proved :
+    that text was run, and does. dense_differs : largest distance between dense and sparse Jacobians, m, where the
+    version calls for it. curves : by name, t, slid (m), lifted (m), spun (rad), (n,) each.
     """
 
     version: str
     body: str
     bearer: str
+    bearers: tuple[str, ...]
     start: str
     step: float
     integrator: str
@@ -157,6 +163,7 @@ def watch_scene(path: Path, body: str | None, duration: float) -> Watched:
         "own": Moved(**about["own"]),
         "expected": Moved(**about["expected"]),
         "moved": tuple(about["moved"]),
+        "bearers": tuple(about["bearers"]),
         "touches": tuple(Touch(**{**one, "friction": tuple(one["friction"])}) for one in about["touches"]),
         "tried": tuple(map(tried, about["tried"])),
         "change": change,
@@ -192,7 +199,9 @@ class _Scene:
         if self.model.nkey > 1:
             others = ", ".join(repr(self.model.key(i).name) for i in range(1, self.model.nkey))
             self.notes.append(f"it begins at the first keyframe, not at {others}")
-        self.watch = watch_of(self.model, self.body, self.keyframe, duration)
+        # what holds it is what would under dry friction
+        hardest = with_options(self.model, {**_ELLIPTIC, "impratio": _HARDER[2]})
+        self.watch = watch_of(hardest, self.body, self.keyframe, duration)
 
     def run(self, changed: Options) -> Seen:
         return watched(with_options(self.model, {**self.base, **changed}), self.watch)
@@ -205,8 +214,8 @@ class _Scene:
             differs = float(np.max(np.linalg.norm(dense.path - seen.path, axis=1)))
             if differs > _NUMERIC or dense.diverged != seen.diverged:
                 self.base = {"jacobian": "dense"}
-        exact, rests = self._dry()
-        expected = Moved.of(exact)
+        exact, rests, lift = self._dry()
+        expected = replace(Moved.of(exact), lift=lift)
         moved = _moved(own, expected, rests, self.watch.duration)
         if self.base and differs is not None:
             moved = tuple(dict.fromkeys((*moved, "sparse")))
@@ -230,6 +239,7 @@ class _Scene:
             "version": mujoco.__version__,
             "body": model.body(self.body).name,
             "bearer": model.body(self.watch.bearer).name or "world",
+            "bearers": [model.body(one).name or "world" for one in sorted(self.watch.bearers)],
             "start": (model.key(self.keyframe).name or "the first keyframe") if self.keyframe >= 0 else "",
             "step": float(model.opt.timestep),
             "integrator": INTEGRATORS[int(model.opt.integrator)],
@@ -248,18 +258,20 @@ class _Scene:
             "notes": self.notes,
         }
 
-    def _dry(self) -> tuple[Seen, bool]:
-        """The run that is nearest to dry friction, and whether a body rests in it."""
-        elliptic = {"cone": "elliptic", "noslip_iterations": 0, **_EFFORT}
-        soft = self.run({**elliptic, "impratio": 1.0})
-        runs = [self.run({**elliptic, "impratio": ratio}) for ratio in _HARDER[:3]]
+    def _dry(self) -> tuple[Seen, bool, float]:
+        """The run that is nearest to dry friction, whether a body rests in it, and how far it may lift, m: one that
+        slides jumps about, with each ratio otherwise.
+        """
+        soft = self.run({**_ELLIPTIC, "impratio": 1.0})
+        runs = [self.run({**_ELLIPTIC, "impratio": ratio}) for ratio in _HARDER[:3]]
         sound = [one for one in (soft, *runs) if not Moved.of(one).failed and one.touching > 0.0]
         if sound:
             least, loose = (end(sound, key=lambda one: one.creep) for end in (min, max))
             if least.creep <= max(_HELD * loose.creep, CREEP):
-                return least, True
+                return least, True, least.lift
         # a motion: what a contact ten times as hard as what ships makes of it
-        return next((one for one in runs if one.diverged is None), soft), False
+        lift = max(one.lift for one in (soft, *runs))
+        return next((one for one in runs if one.diverged is None), soft), False, lift
 
     def _mended(self, own: Moved, expected: Moved, rests: bool) -> tuple[list[Tried], Tried | None]:
         """What was tried, and the least change that mends it; else that which comes nearest, where it helps."""
@@ -310,16 +322,22 @@ def _body(path: Path, model: Any, name: str | None) -> int:
 
 
 def _with_option(path: Path, words: Mapping[str, str]) -> tuple[Path, str]:
-    """The file of a model that has its <option>, the first where none has, and its text with these attributes."""
+    """The file of a model that has its <option>, the first where none has, and its text with these attributes.
+
+    Of several the last that has one of the attributes, which the others would not change; else the first.
+    """
     sources = with_included(path)
-    for source in sources:
-        for tag in tags(source.text):
-            if tag.way == ("mujoco", "option"):
-                return source.path, with_attributes(source.text, tag, words)
+    found = [(one, tag) for one in sources for tag in tags(one.text) if tag.way in _OPTION]
+    if found:
+        source, tag = next((one for one in reversed(found) if words.keys() & one[1].attributes.keys()), found[0])
+        return source.path, with_attributes(source.text, tag, words)
     text = sources[0].text
     first = next(tags(text))
     own = " ".join(f'{name}="{value}"' for name, value in words.items())
     return path, f"{text[: first.end]}\n  <option {own}/>{text[first.end :]}"
+
+
+_OPTION = (("mujoco", "option"), ("mujocoinclude", "option"))
 
 
 def _changes(options: Options) -> list[dict[str, Any]]:
@@ -344,31 +362,43 @@ def _moved(own: Moved, expected: Moved, rests: bool, duration: float) -> tuple[s
     """What of a motion dry friction would not do."""
     if own.diverged is not None:
         return ("diverges",)
-    found = []
     if own.lost is not None and expected.lost is None:
-        found.append("lets go")
+        return ("lets go",)
+    found = []
     if rests:
         found += ["slide"] * (own.creep > CREEP or _further(own, expected, duration) > 1.0)
         found += ["spin"] * (abs(own.spin) - abs(expected.spin) > TURN)
         found += ["roll"] * (own.roll - expected.roll > TURN)
     else:
-        found += ["motion"] * (_distance(own, expected, rests, duration) > _ALIKE)
-    found += ["lift"] * (own.lift - 1.5 * max(expected.lift, 0.0) > LIFT and own.lost is None)
+        found += ["motion"] * (_motion(own, expected, duration) > 1.0)
+    found += ["lift"] * (own.lost is None and _lifted(own, expected) > 1.0)
     return tuple(found)
 
 
 def _distance(own: Moved, expected: Moved, rests: bool, duration: float) -> float:
-    """From what dry friction would do: speeds over those that count as rest, shares of a motion."""
+    """From what dry friction would do: above 1 it is told."""
     if own.failed and not expected.failed:
         return math.inf
     if rests:
         turned = max(abs(own.spin) - abs(expected.spin), own.roll - expected.roll)
-        return max(own.creep / CREEP, turned / TURN, _further(own, expected, duration))
+        return max(own.creep / CREEP, turned / TURN, _further(own, expected, duration), _lifted(own, expected))
+    return max(_motion(own, expected, duration), _lifted(own, expected) if own.lost is None else 0.0)
+
+
+def _lifted(own: Moved, expected: Moved) -> float:
+    return (own.lift - 1.5 * max(expected.lift, 0.0)) / LIFT
+
+
+def _motion(own: Moved, expected: Moved, duration: float) -> float:
+    """How far from a motion, over how far it may be; of a body that is let go, by when."""
+    if expected.lost is not None or own.lost is not None:
+        times = [duration if one.lost is None else one.lost for one in (own, expected)]
+        return abs(times[0] - times[1]) / (_LEAVES * duration)
     off = abs(own.travel - expected.travel) / max(expected.travel, LIFT)
     if own.deceleration is not None and expected.deceleration is not None:
         braked = abs(own.deceleration - expected.deceleration) * duration
         off = max(off, braked * duration / max(expected.travel, LIFT))
-    return off
+    return off / _ALIKE
 
 
 def _further(own: Moved, expected: Moved, duration: float) -> float:

@@ -1,6 +1,8 @@
 """A body of the user's own scene: what of its motion dry friction would not do, and the options that mend it."""
 
 import json
+import shutil
+import subprocess
 from pathlib import Path
 
 import jsonschema
@@ -129,6 +131,70 @@ def test_what_friction_holds_is_told_from_what_it_does_not(
     else:
         assert found.moved == []
         assert found.deceleration_m_s2 == pytest.approx(-(load - 1.0) * mu * 9.81, rel=0.02)
+
+
+TABLE = '<worldbody><geom name="table" type="plane" size="1 1 1"/>'
+
+
+@pytest.mark.parametrize(("mu", "leaves"), [(0.09, True), (0.11, False)])
+def test_a_grip_with_too_little_friction_lets_go_under_dry_friction_too(
+    tmp_path: Path, mu: float, leaves: bool
+) -> None:
+    """Two fingers of 10 N hold 0.2 kg from a coefficient of 0.2 g/20 = 0.0981 on; below it falls on a table."""
+    text = pinch(mu=mu).replace("<worldbody>", TABLE)
+    found = harness.run_scene(written(tmp_path, text), "held", duration=1.0)
+    assert set(found.bearers) == {"left", "right"}
+    assert (found.expected.lost_s is not None) is leaves
+    assert found.expected.rests is not leaves
+    if leaves:
+        assert (found.moved, found.change) == ([], "")
+        assert "so it would under dry friction. It takes all the friction there is" in found.conclusions[0]
+    else:
+        assert found.expected.cone_use == pytest.approx(0.0981 / mu, rel=0.02)
+
+
+def test_what_a_solver_that_is_cut_off_lets_fall_on_a_table_is_let_go(tmp_path: Path) -> None:
+    """It rests there, which is no rest in the grip."""
+    cut = f'{ELLIPTIC} impratio="20" iterations="1" ls_iterations="4"'
+    text = pinch(cut, shape="cylinder").replace("<worldbody>", TABLE)
+    found = harness.run_scene(written(tmp_path, text), "held", duration=1.0)
+    assert found.moved == ["lets go"]
+    assert found.lost_s is not None
+    assert "is let go by left and right" in found.conclusions[0]
+    assert found.changed is not None
+    assert found.changed.mends
+    assert found.changed.lost_s is None
+
+
+def test_a_block_that_slides_is_left_alone_whatever_its_hops(tmp_path: Path) -> None:
+    """A tall one at 1.2 of its friction hops by millimetres, with every ratio otherwise."""
+    shape = 'type="box" size=".1 .1 .05" mass="1"'
+    found = harness.run_scene(written(tmp_path, slope(load=1.2, shape=shape)), duration=2.0)
+    assert (found.moved, found.lost_s) == ([], None)
+
+
+@pytest.mark.skipif(shutil.which("patch") is None, reason="needs patch")
+@pytest.mark.parametrize("ending", ["", "\n", "\r\n"])
+def test_what_is_to_be_pasted_is_a_diff_that_patch_takes(tmp_path: Path, ending: str) -> None:
+    """Of a file in another folder too, and without a line's end at the end of the file."""
+    (tmp_path / "parts").mkdir()
+    head, _, rest = slope().partition("\n  <worldbody>")
+    option = head.removeprefix("<mujoco>\n  ")
+    written(tmp_path / "parts", f"<mujocoinclude>{option}</mujocoinclude>{ending}", "option.xml")
+    text = f'<mujoco><include file="parts/option.xml"/><worldbody>{rest}'.rstrip()
+    file = written(tmp_path, text)
+    found = harness.run_scene(file, duration=0.2)
+    assert found.change.startswith("--- parts/option.xml\n")
+    done = subprocess.run(["patch", "-p0", "--binary"], input=found.change.encode(), cwd=tmp_path, check=False)
+    assert done.returncode == 0
+    assert creep_of(file, "block", 0.6) < RESTS
+
+
+def test_of_several_options_the_one_that_rules_is_changed(tmp_path: Path) -> None:
+    text = slope().replace("<worldbody>", '<option cone="pyramidal"/><worldbody>')
+    found = harness.run_scene(written(tmp_path, text), duration=0.2)
+    assert found.proved
+    assert '+  <option cone="elliptic"' in found.change
 
 
 def test_a_contact_says_whose_friction_it_has(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """A body of the user's own scene in MuJoCo: creep, lift and drift against dry friction, and options that mend it."""
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import unified_diff
@@ -96,6 +97,7 @@ def _result(asked: SceneRun, found: Watched, command: str, files: Mapping[str, s
         version=found.version,
         body=found.body,
         bearer=found.bearer,
+        bearers=list(found.bearers),
         start=found.start,
         duration_s=found.duration,
         step_s=found.step,
@@ -106,7 +108,7 @@ def _result(asked: SceneRun, found: Watched, command: str, files: Mapping[str, s
         touches=[SceneTouch.taken_from(one) for one in found.touches],
         tried=[_tried(one) for one in found.tried],
         changed=None if found.change is None else _tried(found.change),
-        change=_diff(found),
+        change=_diff(found, asked.file),
         proved=found.proved,
         dense_differs_m=found.dense_differs,
         conclusions=[],
@@ -118,14 +120,15 @@ def _result(asked: SceneRun, found: Watched, command: str, files: Mapping[str, s
     return result.model_copy(update={"conclusions": [*conclusions(result), *notes]})
 
 
-def _diff(found: Watched) -> str:
-    """The change of the file as a diff; "" for none."""
+def _diff(found: Watched, main: Path) -> str:
+    """The change of the file as a diff that ``patch -p0`` takes in the folder of the main one; "" for none."""
     if found.text is None:
         return ""
     file, after = found.text
-    before, name = Path(file).read_bytes().decode(), Path(file).name
-    lines = unified_diff(before.splitlines(), after.splitlines(), name, name, n=1, lineterm="")
-    return "\n".join(lines) + "\n"
+    name = os.path.relpath(file, main.absolute().parent)
+    old, new = (text.splitlines(keepends=True) for text in (Path(file).read_bytes().decode(), after))
+    lines = unified_diff(old, new, name, name, n=1)
+    return "".join(line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines)
 
 
 def _motions(found: Watched) -> list[Trajectory]:

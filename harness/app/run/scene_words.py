@@ -8,8 +8,13 @@ _WHAT = {
     "spin": "spins about the contact's normal",
     "roll": "tilts or rolls",
     "lift": "lifts off",
-    "lets go": "is let go",
 }
+_NOTHING = 1e-9
+"""m/s, below which a speed is not written out."""
+_STEADY = 1e-3
+"""Of a speed, by which one that is kept may change in a run."""
+_ALL = 0.95
+"""Share of the friction cones from which on all of them is said to be in use."""
 _POINT = 3
 """condim of a contact that has no torsional friction."""
 
@@ -40,17 +45,36 @@ def _answer(result: SceneResult) -> str:
         return f"{name} diverges after {result.diverged_after} steps."
     if not result.touches and result.lost_s is None and result.expected.cone_use is None:
         return f"{name} touches nothing while it is watched: there is no friction to judge."
-    if result.expected.rests:
-        parts = [_WHAT[part] for part in result.moved if part in _WHAT]
-        speed = f"{_speed(result.creep_m_s)} along {where}"
-        if not parts:
-            return f"{name} rests on {where} as dry friction would have it (creep {_speed(result.creep_m_s)})."
-        held = _use(result.expected)
-        return f"{name} {_and(parts)} where dry friction would hold it{held}: {speed}."
-    motion = f"{name} moves along {where} at {_speed(result.creep_m_s)}"
-    if "motion" in result.moved or "lets go" in result.moved:
-        return f"{motion}; dry friction would have it move otherwise: {_speed(result.expected.creep_m_s)}."
-    return f"{motion}, and so it would under dry friction."
+    if result.lost_s is not None or result.expected.lost_s is not None:
+        return _let_go(result)
+    if not result.expected.rests:
+        does = "and so it would under dry friction"
+        if "motion" in result.moved:
+            does = f"where dry friction would have it at {_speed(result.expected.creep_m_s)}"
+        return f"{name} moves along {where} at {_speed(result.creep_m_s)}, {does}."
+    parts = [_WHAT[part] for part in result.moved if part in _WHAT]
+    if not parts:
+        return f"{name} rests on {where} as dry friction would have it (creep {_speed(result.creep_m_s)})."
+    held = f"where dry friction would hold it{_use(result.expected)}"
+    return f"{name} {_and(parts)} {held}: {_speed(result.creep_m_s)} along {where}."
+
+
+def _let_go(result: SceneResult) -> str:
+    """Of a body that leaves what holds it, under the file's options or under dry friction."""
+    name, holders = result.body, _and(result.bearers or [result.bearer])
+    own, exact = result.lost_s, result.expected.lost_s
+    if own is not None and exact is None:
+        held = f"where dry friction would hold it{_use(result.expected)}"
+        return f"{name} is let go by {holders} {_after(own)}, {held}."
+    asks = " It takes all the friction there is." if (result.expected.cone_use or 0.0) > _ALL else ""
+    if own is None:
+        return f"{name} stays with {holders}, where dry friction would let it go {_after(exact)}.{asks}"
+    does = "and so it would" if "motion" not in result.moved else f"where it would {_after(exact)}"
+    return f"{name} leaves {holders} {_after(own)}, {does} under dry friction.{asks}"
+
+
+def _after(t: float | None) -> str:
+    return "at once" if not t else f"after {t:.2g} s"
 
 
 def _detail(result: SceneResult) -> list[str]:
@@ -62,11 +86,15 @@ def _detail(result: SceneResult) -> list[str]:
         )  # fmt: skip
         said.append(f"MuJoCo {result.version} has a wrong Hessian for sparse Jacobians, which this scene uses: {what}.")
     own, exact = result.deceleration_m_s2, result.expected.deceleration_m_s2
-    if not result.expected.rests and own is not None and exact is not None:
+    falls = result.lost_s is not None or result.expected.lost_s is not None
+    if result.touches and not (result.expected.rests or falls) and own is not None and exact is not None:
         kind = "rolls" if result.slip_m_s < 0.1 * max(result.creep_m_s, 1e-9) else "slides"
         how = "slows down" if exact > 0.0 else "gains speed"
-        said.append(f"It {kind} and {how} by {abs(own):.4g} m/s^2; under dry friction by {abs(exact):.4g} m/s^2.")
-    if result.expected.rests and "slide" not in result.moved and result.travel_m > 1e-2:
+        if max(abs(own), abs(exact)) * result.duration_s < _STEADY * result.creep_m_s:
+            said.append(f"It {kind} and keeps its speed.")
+        else:
+            said.append(f"It {kind} and {how} by {abs(own):.4g} m/s^2; under dry friction by {abs(exact):.4g} m/s^2.")
+    if result.expected.rests and not falls and "slide" not in result.moved and result.travel_m > 1e-2:
         said.append(f"Before it rested it went {number(result.travel_m * 1e3, 3)} mm.")
     turns = [
         f"{'spins at' if part == 'spin' else 'tilts or rolls at'} {number(rate, 3)} rad/s"
@@ -77,8 +105,6 @@ def _detail(result: SceneResult) -> list[str]:
         turns.append(f"lifts by {number(result.lift_m * 1e3, 3)} mm")
     if turns:
         said.append(f"It {_and(turns)}.")
-    if "lets go" in result.moved:
-        said.append(f"The last contact is at {result.lost_s:.3g} s.")
     return said
 
 
@@ -92,11 +118,13 @@ def _mend(result: SceneResult) -> list[str]:
         what = (
             f"creep {_speed(changed.creep_m_s)}"
             if result.expected.rests
+            else f"lift {number(changed.lift_m * 1e3, 3)} mm"
+            if result.moved == ["lift"]
             else f"{_speed(changed.creep_m_s)} against {_speed(result.expected.creep_m_s)}"
         )
         proof = " (the changed file was run)" if result.proved else ""
         said += [f"{words} {does}: {what}{proof}.", f"For that it costs {cost:.2g} times as much a step."]
-    noslip = [one for one in result.tried if one.options.get("noslip_iterations", 0)]
+    noslip = [one for one in result.tried if one.options.get("noslip_iterations", 0) and result.expected.rests]
     worse = [one for one in noslip if one.creep_m_s > result.creep_m_s or one.lost_s or one.diverged_after]
     if worse:
         cone = worse[0].options.get("cone", result.settings["cone"])
@@ -109,6 +137,8 @@ def _use(motion: SceneMotion) -> str:
 
 
 def _speed(value: float) -> str:
+    if abs(value) < _NOTHING:
+        return "less than 0.001 µm/s"
     if abs(value) < 1e-3:
         return f"{number(value * 1e6, 3)} µm/s"
     return f"{number(value * 1e3, 3)} mm/s" if abs(value) < 1.0 else f"{number(value, 3)} m/s"

@@ -91,7 +91,7 @@ def body_motion(task: Task, settings: dict[str, Any]) -> Motion:
         model.qpos_spring[:2] = 1.0
         model.jnt_stiffness[:2] = 0.5 * mass * GRAVITY / (body.mu * body.load)
     steps = task.steps(dt) + 1
-    seen = watched(model, Watch(model.body("body").id, 0, normal, 0, steps * dt))
+    seen = watched(model, Watch(model.body("body").id, 0, frozenset(), normal, 0, steps * dt))
     if seen.diverged is not None:
         raise SimulationError(f"mujoco: the run diverged at t = {seen.diverged * dt:g} s (dt = {dt:g} s)")
     x = (seen.path - seen.path[0]) @ way

@@ -38,13 +38,15 @@ class _Pair:
 
 
 class Tally:
-    """What the contacts of a body were like, moment by moment; all but ``last`` is of the later half.
+    """What the contacts of a body were like, moment by moment; all but ``last`` and ``strained`` is of the later half.
 
-    looks, touched : moments, and those in contact. last : time of the last contact, s.
+    bearers : bodies that are to hold it, any where empty. looks, touched : moments, and those in contact. last : time
+    of the last contact with one of the bearers, s.
     """
 
-    def __init__(self, model: Any, body: int) -> None:
-        self._model, self._own = model, geoms_of(model, body)
+    def __init__(self, model: Any, body: int, bearers: frozenset[int] = frozenset()) -> None:
+        self._model, self._own, self._bearers = model, geoms_of(model, body), bearers
+        self._pressed = self._strained = 0.0
         self._pairs: dict[tuple[int, int], _Pair] = {}
         self._slid = np.zeros(3)
         self.looks = self.touched = 0
@@ -52,20 +54,25 @@ class Tally:
 
     def look(self, data: Any, t: float, late: bool) -> None:
         """Add the contacts that there are."""
-        pressed = 0.0
+        pressed = borne = 0.0
         slid = np.zeros(3)
         for i, mine, other, _ in contacts(data, self._own):
             force = force_of(self._model, data, i)
             if force[0] <= 0.0:
                 continue
             pressed += float(force[0])
+            found = _Pair(int(data.contact.dim[i]), tuple(map(float, data.contact.friction[i])))
+            use = _use(self._model, found, force)
+            if not self._bearers or bearer_of(self._model, other) in self._bearers:
+                borne += float(force[0])
+                self._strained += float(force[0]) * use
             if late:
-                found = _Pair(int(data.contact.dim[i]), tuple(map(float, data.contact.friction[i])))
                 pair = self._pairs.setdefault((mine, other), found)
                 pair.force += float(force[0])
-                pair.used += float(force[0]) * _use(self._model, pair, force)
+                pair.used += float(force[0]) * use
                 slid += force[0] * _slip(self._model, data, i, mine, other)
-        self.last = t if pressed > 0.0 else self.last
+        self._pressed += borne
+        self.last = t if borne > 0.0 else self.last
         if late:
             self.looks += 1
             self.touched += pressed > 0.0
@@ -79,6 +86,11 @@ class Tally:
     def use(self) -> float | None:
         force = sum(pair.force for pair in self._pairs.values())
         return sum(pair.used for pair in self._pairs.values()) / force if force > 0.0 else None
+
+    @property
+    def strained(self) -> float | None:
+        """Share of the friction cones that is used where the bearers hold it, over the whole run."""
+        return self._strained / self._pressed if self._pressed > 0.0 else None
 
     @property
     def touches(self) -> tuple[Touch, ...]:
@@ -110,6 +122,11 @@ def geoms_of(model: Any, body: int) -> frozenset[int]:
         if int(model.body_parentid[child]) in below:
             below.add(child)
     return frozenset(g for g in range(model.ngeom) if int(model.geom_bodyid[g]) in below)
+
+
+def bearer_of(model: Any, geom: int) -> int:
+    """The body that a geom moves with: that which its own is welded to."""
+    return int(model.body_weldid[model.geom_bodyid[geom]])
 
 
 def contacts(data: Any, own: frozenset[int]) -> Iterator[tuple[int, int, int, float]]:

@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.engines.mujoco.contacts import Tally, Touch, contacts, force_of, geoms_of
+from harness.engines.mujoco.contacts import Tally, Touch, bearer_of, contacts, force_of, geoms_of
 from harness.engines.mujoco.presets import CONES, SOLVERS
 
 UNSOUND = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
@@ -21,8 +21,14 @@ OPTIONS = ("cone", "impratio", "solver", "iterations", "ls_iterations", "noslip_
 """Of <option>: what decides how well friction holds, the step and the contacts' softness aside."""
 _SAMPLES = 120
 """Moments of a run at which contacts are looked at."""
-_LAST = 0.9
-"""Share of a run after which a body that is in contact has not been let go."""
+_APART = 5e-3
+"""m between a body and all that held it at a run's end, from which on it has been let go: more than a hop."""
+_EARLY, _LATE = 0.05, 0.5
+"""Shares of a run: as long from its first contact, and from then on, what holds a body is looked for."""
+_FALLEN = 1e-3
+"""m, by which a body that is no longer held lies lower."""
+_HOLDS = 0.05
+"""Of all that presses on a body, from which on something holds it."""
 _SLOW = 0.05
 """Of the largest speed, from which on a body that stops is no longer read."""
 _MOST = 0.25
@@ -50,11 +56,13 @@ def is_sparse(model: Any) -> bool:
 @dataclass(frozen=True, slots=True)
 class Watch:
     """What is watched: a body with those on it, against the bearer, along the normal (3,) of their contact in the
-    bearer's frame; the start as a keyframe (-1: the model's reference), and for how long, s.
+    bearer's frame; bearers : all that hold it, the bearer among them; the start as a keyframe (-1: the model's
+    reference), and for how long, s.
     """
 
     body: int
     bearer: int
+    bearers: frozenset[int]
     normal: FloatArray
     keyframe: int
     duration: float
@@ -66,8 +74,9 @@ class Seen:
 
     t : s. path (n, 3) : of the body's centre of mass in the bearer's frame, m. turning (n, 3) : relative angular
     velocity there, rad/s. slip : mean speed at which the contacts slide, m/s. touching : share of moments in contact.
-    use : of the friction cones, weighed by normal force; None without contact. lost : time of the last contact where
-    it ends before the run does, s. diverged : the step at which it did. steps_per_s : of a processor.
+    use : of the friction cones, weighed by normal force; None without contact. strained : the same over the whole run,
+    as long as the bearers hold it. lost : time of the last contact with them where it ends before the run does, s.
+    diverged : the step at which it did. steps_per_s : of a processor, of most steps.
     """
 
     watch: Watch
@@ -77,6 +86,7 @@ class Seen:
     slip: float
     touching: float
     use: float | None
+    strained: float | None
     touches: tuple[Touch, ...]
     lost: float | None
     diverged: int | None
@@ -140,12 +150,14 @@ class Seen:
 
 
 def watch_of(model: Any, body: int, keyframe: int, duration: float) -> Watch:
-    """What bears a body: the one against which it is pressed most in the first half of a run, by what is welded."""
+    """What bears a body, by what is welded: that which is pressed against it in the later half of a run; where it has
+    fallen from all that held it at first, that.
+    """
     data, own = _started(model, keyframe), geoms_of(model, body)
-    pressed: dict[int, float] = {}
-    normals: dict[int, FloatArray] = {}
-    steps = max(2, round(0.5 * duration / float(model.opt.timestep)))
-    every = max(1, steps // _SAMPLES)
+    early, late = _Pressed(), _Pressed()
+    h = float(model.opt.timestep)
+    steps = max(2, round(duration / h))
+    every, first, began = max(1, steps // _SAMPLES), steps, np.zeros(3)
     for n in range(steps):
         mujoco.mj_step(model, data)
         if any(data.warning[kind].number for kind in UNSOUND):
@@ -153,15 +165,40 @@ def watch_of(model: Any, body: int, keyframe: int, duration: float) -> Watch:
         if n % every:
             continue
         for i, _, other, sign in contacts(data, own):
-            force = float(force_of(model, data, i)[0])
-            bearer = int(model.body_weldid[model.geom_bodyid[other]])
+            if first == steps:
+                first, began = n, data.xipos[body].copy()
+            bearer = bearer_of(model, other)
             turned = data.xmat[bearer].reshape(3, 3).T @ (sign * data.contact.frame[i, :3])
-            pressed[bearer] = pressed.get(bearer, 0.0) + force
-            normals[bearer] = normals.get(bearer, np.zeros(3)) + force * turned
-    bearer = max(pressed, key=lambda one: pressed[one], default=0)
-    normal = normals.get(bearer, np.zeros(3))
+            for one, inside in ((early, n <= first + _EARLY * steps), (late, n >= _LATE * steps)):
+                if inside:
+                    one.add(bearer, float(force_of(model, data, i)[0]), turned)
+    fallen = float((data.xipos[body] - began) @ model.opt.gravity) > _FALLEN * float(np.linalg.norm(model.opt.gravity))
+    left = fallen and _apart(model, data, body, early.bodies)
+    held = early if (left and early.bodies) or not late.bodies else late
+    bearer = max(sorted(held.force), key=lambda one: float(f"{held.force[one]:.6g}"), default=0)
+    normal = held.normal.get(bearer, np.zeros(3))
     length = float(np.linalg.norm(normal))
-    return Watch(body, bearer, normal / length if length > 0.0 else np.array([0.0, 0.0, 1.0]), keyframe, duration)
+    up = normal / length if length > 0.0 else np.array([0.0, 0.0, 1.0])
+    return Watch(body, bearer, held.bodies, up, keyframe, duration)
+
+
+class _Pressed:
+    """What pressed on a body: force : summed, N, and normal : weighed by it, by the other body."""
+
+    def __init__(self) -> None:
+        self.force: dict[int, float] = {}
+        self.normal: dict[int, FloatArray] = {}
+
+    def add(self, other: int, force: float, normal: FloatArray) -> None:
+        if force > 0.0:
+            self.force[other] = self.force.get(other, 0.0) + force
+            self.normal[other] = self.normal.get(other, np.zeros(3)) + force * normal
+
+    @property
+    def bodies(self) -> frozenset[int]:
+        """Those that count."""
+        whole = sum(self.force.values())
+        return frozenset(one for one, force in self.force.items() if force > _HOLDS * whole)
 
 
 def watched(model: Any, watch: Watch) -> Seen:
@@ -169,8 +206,9 @@ def watched(model: Any, watch: Watch) -> Seen:
     data, h = _started(model, watch.keyframe), float(model.opt.timestep)
     steps = max(8, round(watch.duration / h))
     every, half = max(1, steps // _SAMPLES), steps // 2
-    path, turning, tally = np.empty((steps + 1, 3)), np.empty((steps + 1, 3)), Tally(model, watch.body)
-    diverged, spent = None, 0.0
+    path, turning = np.empty((steps + 1, 3)), np.empty((steps + 1, 3))
+    tally = Tally(model, watch.body, watch.bearers)
+    diverged, spent = None, np.zeros(steps)
     mujoco.mj_forward(model, data)
     for n in range(steps + 1):
         turn = data.xmat[watch.bearer].reshape(3, 3)
@@ -180,14 +218,14 @@ def watched(model: Any, watch: Watch) -> Seen:
             tally.look(data, n * h, late=n >= half)
         if n == steps:
             break
-        began = time.process_time()
+        began = time.perf_counter()
         mujoco.mj_step(model, data)
-        spent += time.process_time() - began
+        spent[n] = time.perf_counter() - began
         if any(data.warning[kind].number for kind in UNSOUND):
             diverged = n + 1
             path[n + 1 :], turning[n + 1 :] = path[n], 0.0
             break
-    ends = tally.last < _LAST * steps * h
+    ends = diverged is None and bool(watch.bearers) and _apart(model, data, watch.body, watch.bearers)
     return Seen(
         watch,
         h * np.arange(steps + 1, dtype=np.float64),
@@ -196,11 +234,23 @@ def watched(model: Any, watch: Watch) -> Seen:
         tally.slip,
         tally.touched / max(1, tally.looks),
         tally.use,
+        tally.strained,
         tally.touches,
-        tally.last if ends and diverged is None and tally.last > 0.0 else None,
+        tally.last if ends else None,
         diverged,
-        (diverged or steps) / max(spent, 1e-9),
+        1.0 / float(np.median(spent[: diverged or steps])),  # which nothing else that runs here moves
     )
+
+
+def _apart(model: Any, data: Any, body: int, others: frozenset[int]) -> bool:
+    """Whether a body, with those on it, is away from all of others and what is welded to them."""
+    own = geoms_of(model, body)
+    fromto = np.zeros(6)
+    for other in (g for g in range(model.ngeom) if g not in own and bearer_of(model, g) in others):
+        for mine in own:
+            if mujoco.mj_geomDistance(model, data, mine, other, _APART, fromto) < _APART:
+                return False
+    return True
 
 
 def _started(model: Any, keyframe: int) -> Any:
