@@ -72,8 +72,10 @@ def _ending(result: "DiagnosisResult") -> None:
     say_all(result.recording.notes[:1])
     if result.next_experiment:
         say(f"- next: {result.next_experiment}")
-    say_all(result.warnings[:1])
-    more = len(result.warnings[1:]) + len(result.recording.notes[1:])
+    wanted = "" if result.motion is None else result.motion.wanted
+    warnings = [said for said in result.warnings if said != wanted]
+    say_all(warnings[:1])
+    more = len(warnings[1:]) + len(result.recording.notes[1:])
     if more:
         say(f"- {more} more note{'s' * (more > 1)} on the page")
     say_as_it_is(f"report: {result.files['report']}")

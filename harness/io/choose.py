@@ -24,9 +24,9 @@ from harness.io.columns import (
     unit_ending,
 )
 from harness.io.options import UNSAID, ReadOptions, RefusedError
-from harness.io.scoring import GYRO_COUNTS, TURNING, Reading, runs_of
+from harness.io.scoring import GYRO_COUNTS, TURNING, Reading, runs_of, too_fast
 from harness.io.table import Table
-from harness.io.units import RAW, STEPS, NoUnitError, OtherUnitError, Unit, parse_unit
+from harness.io.units import RAW, STEPS, NoUnitError, OtherUnitError, Unit, is_unit_of, parse_unit
 
 _ONE_WAY = 0.9
 """Share of the rows of a friction curve, at least, in which the force has the sign of the speed."""
@@ -72,6 +72,8 @@ def chosen(table: Table, options: ReadOptions) -> Chosen:
             what = f"{what}; {counted} is what a sensor counts"
         if (field := next(filter(is_electrical, table.headers), None)) is not None:
             what = f"{what}; {field} is of the motor's field: times 1/7 for 7 pole pairs"
+        if force := next((h for i, h in enumerate(table.headers) if _is_force(table, i)), ""):
+            what = f"{what}: {force[:_LONG]} is a force, and no motion was recorded with it"
         if columns is None and _nameless(table):
             what = f"{table.columns([0])[0].size} rows, too few for a motion, and no names that say a friction curve"
         raise RefusedError(str(table.path), what, hint, _others(table, options))
@@ -122,7 +124,7 @@ def _by_names(table: Table, rate: float | None) -> Chosen | None:
     bare = {c: at[0] for c, at in found.items() if at[0] not in table.units}
     if "x" in bare and is_angle(table.names[bare["x"]]):
         return None
-    if "v" in bare and is_rate(table.names[bare["v"]]) and not unit_ending(table.names[bare["v"]], "v"):
+    if "v" in bare and _wants_unit(table, bare["v"]):
         return None
     raw = any(STEPS.match(table.units[at[0]]) for at in found.values() if at[0] in table.units)
     if not table.own or raw or ({"x", "v"} & set(bare) and "u" in found and is_torque(table.names[found["u"][0]])):
@@ -133,6 +135,22 @@ def _by_names(table: Table, rate: float | None) -> Chosen | None:
     mappings = {c: Mapping(c, (f"#{found[c][0] + 1}",)) for c in CHANNELS if c in found}
     own = {c for c in found if table.names[found[c][0]] in ((c, "F") if c == "u" else (c,))}
     return Chosen(mappings, frozenset(set(found) - own), _namesakes(table, found))
+
+
+def _is_force(table: Table, position: int) -> bool:
+    unit, means = table.units.get(position), meaning(table.names[position])
+    return is_unit_of("u", unit) if unit is not None else means is not None and means.channel == "u"
+
+
+def _wants_unit(table: Table, position: int) -> bool:
+    """Whether a speed is one of turning, or no speed in m/s, and its name says no unit."""
+    name = table.names[position]
+    if is_rate(name) or name == "v":
+        return is_rate(name) and not unit_ending(name, "v")
+    try:
+        return not unit_ending(name, "v") and too_fast(name, "", table.columns([position])[0])
+    except InputError:
+        return False
 
 
 def _namesakes(table: Table, found: dict[str, list[int]]) -> tuple[str, ...]:

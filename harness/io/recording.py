@@ -15,6 +15,7 @@ from harness.core.errors import InputError
 from harness.core.recording import CHANNELS, LARGEST, LONGEST_TIME, MINIMUM_SAMPLES, Recording
 from harness.io.choose import as_angles, chosen, products, quoted_of, said, unscaled
 from harness.io.columns import Mapping, is_magnitude, parse_columns
+from harness.io.edges import at_edges
 from harness.io.join import joined
 from harness.io.logs.suspicions import FACTORS, NEAR, ratio, unsigned
 from harness.io.options import ReadOptions, RefusedError, tried
@@ -220,8 +221,9 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     columns = {c: quoted_of(table, mappings[c], unit) for c, (_, unit) in read.items()}
     mended.append(_without_other_speed(t, channels, columns) if options.columns is None else None)
     if "t" in read:
+        t, channels, covariates, edges = _between_counts(t, channels, covariates)
         t, rounded = evened(t, next(channels[c] for c in ("x", "v", "a") if c in channels))
-        mended.append(rounded)
+        mended += [edges, rounded]
     return Recording(
         t,
         channels,
@@ -239,6 +241,23 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
         mended=tuple(filter(None, mended)),
         steady=steady,
     )
+
+
+Series = dict[str, FloatArray]
+
+
+def _between_counts(
+    t: FloatArray, channels: Series, covariates: Series
+) -> tuple[FloatArray, Series, Series, str | None]:
+    """Times, channels and covariates, where each row was stamped by a count that changed half way to it, and what is
+    said of it.
+    """
+    places = at_edges(t, channels["x"]) if set(channels) == {"x"} else None
+    if places is None:
+        return t, channels, covariates, None
+    beside = {name: values[1:] for name, values in covariates.items()}
+    said = "Each stamp is that of a count that changed: x is half way between it and the one before."
+    return t[1:], {"x": places}, beside, said
 
 
 def _without_other_speed(t: FloatArray, channels: dict[str, FloatArray], columns: dict[str, str]) -> str | None:

@@ -65,6 +65,8 @@ _LONG_TURN = 1e4
 _TURN, _CIRCLE, _SIDE = 2.0 * np.pi, 360.0, 0.05
 _GYRO = 35.0
 """rad/s, 2000 deg/s: more than gyroscopes show; larger numbers of one are deg/s."""
+_OF_SOUND = 340.0
+"""m/s that nothing on rails, wheels or springs reaches."""
 GYRO_COUNTS = 4000.0
 """deg/s that none shows: its own counts."""
 _SCALED, _NUMBERS, _NAME, _UNIT = range(-1, 3)
@@ -316,11 +318,18 @@ def _columns(table: Table) -> Iterator[Column]:
             unit = "deg" if _in_degrees(told) else "rad"
         if not channel and _runs_down(told):  # under a name that says nothing it is asked
             channel, by = "v", _SCALED if header else _NUMBERS
+        if channel == "v" and too_fast(name, unit, told):
+            by, unit = _SCALED, "rpm"
         if not header and np.all(told == np.round(told)) and _MG[0] < np.abs(told).min() <= np.abs(told).max() < _MG[1]:
             channel, by, unit = "a", _SCALED, "mg"
         if channel != "other":
             given = unit != table.units.get(i)
             yield Column(i, table.quoted(i), name, channel, by, unit, given, mark, rises, values)
+
+
+def too_fast(name: str, unit: str, values: FloatArray) -> bool:
+    """Whether values (n,) of a speed whose unit nothing says are more than any of m/s, as revolutions a minute are."""
+    return not unit and not is_rate(name) and float(np.nanmax(np.abs(values))) > _OF_SOUND
 
 
 def _unit_of_periods(told: FloatArray) -> str:

@@ -130,3 +130,10 @@ def test_unit_clock_sign_and_half_of_the_samples_change_no_answer(
                 assert second.value is None
                 continue
             assert abs(second.value / factor - first.value) < 3.0 * (first.stderr + second.stderr / factor)
+
+
+def test_a_steady_speed_of_few_counts_is_no_saturated_sensor() -> None:
+    rng = np.random.default_rng(5)
+    steps = rng.integers(-1, 2, 400).astype(float)
+    with pytest.raises(InputError, match=r"3 values in all, 0\.1 apart: its sensor's steps"):
+        harness.diagnose(Recording(np.arange(400) / 100.0, {"v": 2.4 + 0.1 * steps}, "motor.csv"))

@@ -354,3 +354,31 @@ def test_a_lone_column_that_falls_to_nought_is_proposed_as_a_speed(tmp_path: Pat
     path.write_text("\n".join(f"{one:.3f}" for one in np.concatenate((v, [0.0]))) + "\n")
     with pytest.raises(InputError, match='--columns "v=#1" --rate HZ'):
         read_recording(path)
+
+
+@pytest.mark.parametrize("name", ["Wheel Speed", "speed"])
+def test_a_speed_beyond_any_of_m_s_is_asked_in_rpm(tmp_path: Path, name: str) -> None:
+    path = written(tmp_path / "wheel.txt", f"Time,{name}", T, 35.0 * COAST)
+    np.testing.assert_allclose(asked(path)["v"], 35.0 * COAST * np.pi / 30.0, rtol=1e-6)
+    assert read_recording(path, ReadOptions(columns=f"t=Time,v={name}")).angular is False
+
+
+def test_a_force_alone_is_told_to_be_one(tmp_path: Path) -> None:
+    path = written(tmp_path / "pull.csv", "Time [s],Fz [N]", T, NOISE)
+    with pytest.raises(InputError, match=r"Fz \[N\] is a force, and no motion was recorded with it"):
+        read_recording(path)
+
+
+def test_counts_that_are_stamped_as_they_change_lie_half_way_between(tmp_path: Path) -> None:
+    """A logger that writes a row at each edge of an encoder: as they stand the counts lag by half a step."""
+    t, step = np.linspace(0.0, 20.0, 400_001), 2.0 * np.pi / 2400.0
+    x = 0.3 * np.exp(-0.1 * t) * np.cos(5.0 * t)
+    count = np.floor(x / step + 0.5)
+    at = np.flatnonzero(np.diff(count)) + 1
+    found = read_recording(written(tmp_path / "ticks.csv", "timestamp,angle", t[at], step * count[at]))
+    assert "Each stamp is that of a count that changed" in " ".join(found.mended)
+    np.testing.assert_allclose(found.t, t[at][1:], atol=1e-9)
+    np.testing.assert_allclose(found["x"], x[at][1:], atol=1e-4)
+    even = np.arange(0.0, 20.0, 0.01)  # by a clock, a count may well repeat
+    clocked = read_recording(written(tmp_path / "even.csv", "t,angle", even, np.round(X[0] + even / step) * step))
+    assert not any("count that changed" in said for said in clocked.mended)

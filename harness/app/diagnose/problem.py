@@ -33,6 +33,8 @@ from harness.results.diagnosis import ForceError, ValidationResult
 
 _RAIL, _RAILS = 0.15, 0.6
 """Share of the samples at each end of a saturated channel's range, and at both together."""
+_FEW_LEVELS = 5
+"""Values through which a channel goes at most, where those are its sensor's steps about a level; two are two rails."""
 _SUSPECT = 1.1
 """Ratio of one channel to the derivative of another from which it is told: calibrations are better than a tenth."""
 
@@ -102,6 +104,9 @@ def _refuse(recording: Recording) -> None:
         y = recording[name]
         low, high = float(np.mean(y == y.min())), float(np.mean(y == y.max()))
         if min(low, high) > _RAIL and low + high > _RAILS:
+            if 2 < (levels := np.unique(y)).size <= _FEW_LEVELS:
+                found = f"{levels.size} values in all, {np.diff(levels).min():.3g} apart: its sensor's steps"
+                raise InputError(f"{recording.file}: channel {name}", found, "a motion through many of them")
             share = f"{100.0 * (low + high):.0f} % of its samples at {y.min():.4g} or {y.max():.4g}"
             accepted = "a channel mostly within its range"
             raise InputError(f"{recording.file}: channel {name}", f"saturated throughout ({share})", accepted)
