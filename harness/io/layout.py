@@ -15,10 +15,10 @@ NUMBER = re.compile(r"^[+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?$|^nan$"
 class Head:
     """Where a table stands in a text.
 
-    first : index of its first row among the lines; None where it is to be looked for. fields, units : of its columns, a
-    unit "" where none is said. separator : "" for runs of blanks. decimal : mark. rate : Hz, where the file says its
-    step and gives no time. own : whether x, v, a may be taken for this program's names. plain : what each line is to
-    be replaced by first.
+    first : index of its first row among the lines; None where it is to be looked for. fields, units : of its
+    columns, a unit "" where none is said. separator : "" for runs of blanks. decimal : mark. rate : Hz, where the
+    file says its step and gives no time. said : what else there is, a sentence for people. own : whether x, v, a
+    may be taken for this program's names. plain : what each line is to be replaced by first.
     """
 
     first: int | None = None
@@ -29,6 +29,7 @@ class Head:
     rate: float | None = None
     own: bool = True
     plain: Callable[[str], str] | None = None
+    said: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -292,9 +292,16 @@ def of_a_turn(unit: str) -> str:
     return found["time"] if found else ""
 
 
+_BESIDE_A_MOTION = (
+    "°C degC °F A mA W kW Hz kHz bar mbar Pa hPa kPa MPa psi l/min l/h g/s lux lx dB dBA ppm pH sats ratio #"
+)
+_OF_OTHERS = frozenset(_BESIDE_A_MOTION.split())
+"""Units of what stands beside a motion, in a line of units."""
+
+
 def is_unit(text: str) -> bool:
-    """Whether a text is a unit of any channel, or one of a sensor as it stands."""
-    known = bool(RAW.match(text)) or text in _USUAL or text in ("°C", "degC")
+    """Whether a text is a unit of any channel, one of a sensor as it stands, or one of what stands beside a motion."""
+    known = bool(RAW.match(text)) or text in _USUAL or text in _OF_OTHERS
     return known or (len(text) > 1 and any(is_unit_of(channel, text) for channel in _BASE))
 
 

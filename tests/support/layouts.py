@@ -883,6 +883,97 @@ def plot_juggler(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Pat
     return lines(folder / "bag.csv", head, *body), {"t": m.t, "x": m.x, "v": m.v}
 
 
+def motec(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Units of pressures among those of the motion, between blank lines."""
+    head = [
+        '"Format","MoTeC CSV File",,,"Workbook","Coast"', '"Venue","Track",,,"Worksheet","1"',
+        f'"Sample Rate","{1.0 / m.t[1]:.3f}","Hz"', "", '"Time","Damper Pos FL","Brake Pres F"', '"s","mm","bar"', "",
+    ]  # fmt: skip
+    body = [f'"{t:.4f}","{1e3 * x:.4f}","0.00"' for t, x in zip(m.t, m.x, strict=True)]
+    return lines(folder / "motec.csv", *head, *body), {"t": m.t, "x": m.x}
+
+
+def racechrono(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Lines of names, of units and of the sources."""
+    head = [
+        "This file is created using RaceChrono v7.0 (http://racechrono.com/).", "Format,3", 'Session title,"Coast"', "",
+        "timestamp,lap_number,altitude,satellites,speed", "unix time,,m,sats,km/h", ",,100: gps,100: gps,100: gps",
+    ]  # fmt: skip
+    t, v = 0.1 * np.arange(m.t.size), np.linspace(29.0, 1.0, m.t.size)
+    body = [f"{1.71e9 + k:.3f},,210.1,14,{3.6 * y:.5f}" for k, y in zip(t, v, strict=True)]
+    return lines(folder / "session.csv", *head, *body), {"t": t, "v": v}
+
+
+def data_inspector(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    head = ["time,Position,Velocity", ",Unit: mm,Unit: mm/s", ",Interp: linear,Interp: linear"]
+    return lines(folder / "sdi.csv", *head, *rows(",", m.t, 1e3 * m.x, 1e3 * m.v)), {"t": m.t, "x": m.x, "v": m.v}
+
+
+def trackmate(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Three lines of names and one of units, a word that is none among them."""
+    head = [
+        "LABEL,ID,QUALITY,POSITION_X,POSITION_Y,POSITION_T,FRAME", "Label,Spot ID,Quality,X,Y,T,Frame",
+        "Label,Spot ID,Quality,X,Y,T,Frame", ",,(quality),(mm),(mm),(sec),",
+    ]  # fmt: skip
+    body = [
+        f"ID{900 + k},{900 + k},12.3,{1e3 * x:.4f},{120.0 + 0.1 * rng.standard_normal():.3f},{t:.5f},{k}"
+        for k, (t, x) in enumerate(zip(m.t, m.x, strict=True))
+    ]
+    return lines(folder / "spots.csv", *head, *body), {"t": m.t, "x": m.x}
+
+
+def one_value_a_row(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Signals one below another, each under its name."""
+    body = []
+    for k, (t, x) in enumerate(zip(m.t, m.x, strict=True)):
+        body += [f"{1.7e9 + t:.6f},temperature_C,{21.0 + 0.01 * k:.2f}"] if k % 3 == 0 else []
+        body += [f"{1.7e9 + t:.6f},position_mm,{1e3 * x:.5f}"]
+    return lines(folder / "historian.csv", "timestamp,signal,value", *body), {"t": m.t, "x": m.x}
+
+
+def influx(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    head = [
+        "#group,false,false,false,false,true,true", "#datatype,string,long,dateTime:RFC3339,double,string,string",
+        "#default,_result,,,,,", ",result,table,_time,_value,_field,_measurement",
+    ]  # fmt: skip
+    rpm = np.linspace(900.0, 20.0, m.t.size)
+    body = [
+        f",,0,2026-03-14T10:00:{int(t):02d}.{round(1e3 * (t % 1)):03d}Z,{y:.4f},rpm,spindle"
+        for t, y in zip(np.round(m.t, 3), rpm, strict=True)
+    ]
+    return lines(folder / "query.csv", *head, *body), {"t": m.t, "v": rpm * np.pi / 30.0}
+
+
+def streams(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Lists of one length, each in an object of its own."""
+    named = {"time": m.t, "velocity_smooth": m.v, "cadence": 0.0 * m.t}
+    path = folder / "activity.json"
+    path.write_text(json.dumps({name: {"data": y.tolist(), "resolution": "high"} for name, y in named.items()}))
+    return path, {"t": m.t, "v": m.v}
+
+
+def unit_beside_value(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    told = [
+        json.dumps({"ts": float(t), "payload": {"pos": {"value": 1e3 * float(x), "unit": "mm"}}})
+        for t, x in zip(m.t, m.x, strict=True)
+    ]
+    return lines(folder / "broker.jsonl", *told), {"t": m.t, "x": m.x}
+
+
+def western_micro(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """A micro sign in the Western coding, which others take for a letter; the day in a column of its own."""
+    told = np.round(m.t, 3)
+    body = [
+        f"14.03.2026;15:04:{5 + int(t):02d},{round(1e3 * (t % 1)):03d};{1e6 * x:.1f}".replace(".", ",").replace(
+            "14,03,2026", "14.03.2026"
+        )
+        for t, x in zip(told, m.x, strict=True)
+    ]
+    path = folder / "lvdt.txt"
+    path.write_bytes("\r\n".join(["Datum;Uhrzeit;Weg [µm]", *body]).encode("cp1252"))
+    return path, {"t": m.t, "x": m.x}
+
+
 WRITERS: dict[str, Writer] = {
     one.__name__: one
     for one in (
@@ -897,5 +988,7 @@ WRITERS: dict[str, Writer] = {
         odrive_gui, mso, boards_log, serial_days, written_in_japan, written_by_r, two_levels, dated_records,
         sensors_numbers, by_powers, unit_for_a_name, gyroscope_bare, asked_and_measured, yokogawa, graphtec, stopwatch,
         quoted_commas, written_in_russia, rockwell, fit_csv, dashboard, spans, phone_records, modelica, plot_juggler,
+        motec, racechrono, data_inspector, trackmate, one_value_a_row, influx, streams, unit_beside_value,
+        western_micro,
     )
 }  # fmt: skip

@@ -96,9 +96,13 @@ def _runs(content: Any) -> Mapping[str, Sequence[Any]]:
 def _tables(content: Any) -> Iterator[Mapping[str, Sequence[Any]]]:
     """Columns by name, of everything in a document that is a table."""
     if isinstance(content, dict):
-        lists = {str(k): v for k, v in content.items() if isinstance(v, list) and v and all(map(_is_number, v))}
+        lists = _lists(content)
         if lists:
             yield lists
+        below = {str(k): list(_lists(v).values()) for k, v in content.items() if isinstance(v, dict)}
+        streams = {name: of[0] for name, of in below.items() if len(of) == 1}
+        if len(streams) > 1 and len(set(map(len, streams.values()))) == 1:
+            yield streams
         for value in content.values():
             yield from _tables(value)
     elif isinstance(content, list) and content and all(isinstance(one, dict | list) for one in content):
@@ -108,8 +112,15 @@ def _tables(content: Any) -> Iterator[Mapping[str, Sequence[Any]]]:
             yield {name: [one.get(name) for one in flat] for name in names}
 
 
+def _lists(content: dict[str, Any]) -> dict[str, list[Any]]:
+    """Lists of numbers of a document, by name."""
+    return {str(k): v for k, v in content.items() if isinstance(v, list) and v and all(map(_is_number, v))}
+
+
 def _flat(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:
     """Numbers and times of a record by their names, those within it behind a point."""
+    if isinstance(value, dict) and prefix and _is_number(value.get("value")) and isinstance(value.get("unit"), str):
+        prefix, value = f"{prefix} [{value['unit']}]", value["value"]
     inside = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
     for key, one in inside:
         yield from _flat(f"{prefix}.{key}" if prefix else str(key), one)

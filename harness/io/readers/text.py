@@ -41,7 +41,7 @@ _MOST_ODD = 0.05
 _MOST_BELOW = 20
 """Lines that may stand below the rows."""
 _COMMENT = ("#", "%")
-_LATIN, _LONGEST_NAME = re.compile(r"[\x00-\xff]*"), 100
+_NOT_LATIN, _LONGEST_NAME = re.compile(r"[^\x00-\xff]"), 100
 _RATE = re.compile(
     r"(?:\bf_?s\b|sampl\w{0,6}|abtast|scan|data|update|frame)[ _-]?(?:rate|freq\w{0,6}|hz)?\s?[:=;,\t ]\s{0,9}"
     r"(?P<rate>\d[\d.,]{0,12})\s?(?P<unit>k?hz|sps|s/s|fps)\b",
@@ -198,11 +198,11 @@ def _heading(
     # row names stand below no name, where R writes a table
     heads = [("", *cells) if len(cells) == width - 1 and begin == 1 else cells for cells in heads]
     texts = [i for i in range(begin) if len(heads[i]) == width and not _has_number(heads[i], decimal)]
-    of_units = next((i for i in reversed(texts) if all(is_unit(_bare(cell)) for cell in heads[i] if cell)), None)
+    of_units = next((i for i in reversed(texts) if _is_of_units(heads[i])), None)
     above = [i for i in texts if of_units is None or i < of_units]
     named = [i for i in above if any(map(_says_channel, heads[i]))]
     names = max(named or above, default=None)
-    units = () if of_units is None else tuple(map(_bare, heads[of_units]))
+    units = () if of_units is None else tuple(unit if is_unit(unit := _bare(cell)) else "" for cell in heads[of_units])
     return ("",) * width if names is None else heads[names], units, begin
 
 
@@ -210,9 +210,18 @@ def _says_channel(header: str) -> bool:
     return bool(word_of(header) or meaning(split_header(header)[0]))
 
 
+def _is_of_units(cells: Sequence[str]) -> bool:
+    """Whether a line is one of units: all that stands in it is, or stands in brackets beside one that is."""
+    said = [cell for cell in cells if cell]
+    units = [is_unit(_bare(cell)) for cell in said]
+    return all(unit or _BRACKETS.match(cell) for cell, unit in zip(said, units, strict=True)) and (
+        any(units) or not said
+    )
+
+
 def _bare(unit: str) -> str:
     """A unit without brackets; nothing of a word that says what its line holds."""
-    found = _BRACKETS.sub(r"\1", unit.strip())
+    found = _BRACKETS.sub(r"\1", re.sub(r"^[Uu]nits?: ", "", unit.strip()))
     return "" if found.lower().rstrip(":") in ("unit", "units", "einheit") else found
 
 
@@ -265,9 +274,20 @@ def _coding(head: bytes) -> str | None:
         for coding in _CODINGS:
             with suppress(UnicodeDecodeError):
                 cells = re.split(r"[\t;,]", first.decode(coding))
-                if any(word_of(cell) and not _LATIN.fullmatch(cell) for cell in cells if len(cell) < _LONGEST_NAME):
+                if any(map(_says_more, (cell for cell in cells if len(cell) < _LONGEST_NAME))):
                     return coding
     return None
+
+
+def _says_more(cell: str) -> bool:
+    """Whether letters that are not Latin say a channel, or the unit of one: not the µ of a western file."""
+    latin = _NOT_LATIN.sub(" ", cell)
+    unit = split_header(cell)[1] or ""
+    return (
+        latin != cell
+        and bool(word_of(cell))
+        and (not word_of(latin) or (_NOT_LATIN.search(unit) is not None and is_unit(unit)))
+    )
 
 
 def _bytes(path: Path) -> bytes | bytearray:
@@ -346,6 +366,7 @@ class TextTable(Table):
         self.mended += [passed] if passed else []
         if head is not None:
             self.rate, self.own = head.rate, head.own
+            self.mended += [head.said] if head.said else []
         before = _decode(bytes(self._data[: min(self._layout.offset, _HEAD)]))
         said = _RATE.search(before)
         number = rate_of(said["rate"]) if said else None
