@@ -135,7 +135,8 @@ def friction_held(friction_baseline: Path) -> "Mapping[Version, Rows]":
     try:
         return held(friction_baseline)
     except InputError as error:
-        pytest.fail(str(error), pytrace=False)
+        wrong = f"{error.where}: {error.found}; harness regress --baseline {friction_baseline} --update writes one"
+    pytest.fail(wrong, pytrace=False)
 
 
 @pytest.fixture

@@ -147,7 +147,8 @@ def effort_section(every: Sequence[Effort], name: Callable[[str, str], str]) -> 
 
     caption = (
         "iterations/ls_iterations: 100/50 ships, 4/8 and 1/4 are what policies are often trained with. The joint's"
-        " friction is as stiff as its step allows. Recommended is the least that is as good as 100/50 in every figure."
+        " friction is as stiff as its step allows. Recommended is the least that is as good as 100/50 in every figure;"
+        " joints that move one another want an iteration each and one more."
     )
     notes = [f"{head(one)}: {text}" for one in every for text in one.errors]
     table = b.tabulated("effort", columns, every, head, lambda one: one.others, caption=caption, footnotes=notes)
