@@ -28,7 +28,17 @@ COMMANDED = frozenset(
     | {"error", "err", "action"}
 )
 """Words of a name by which it is not what was measured."""
-_CLOCKS = {"nanosec": "ns", "nsecs": "ns", "millis": "ms", "micros": "us", "msec": "ms", "usec": "us", "nsec": "ns"}
+_CLOCKS = {
+    "ms": "ms",
+    "us": "us",
+    "nanosec": "ns",
+    "nsecs": "ns",
+    "millis": "ms",
+    "micros": "us",
+    "msec": "ms",
+    "usec": "us",
+    "nsec": "ns",
+}
 """Names of a time that say its unit."""
 _OWN = {"rpm": "rpm", "mph": "mile/hour", "dps": "deg/s", "rps": "rev/s"} | dict.fromkeys(
     ("kph", "kmh", "kmph"), "km/h"

@@ -44,8 +44,8 @@ SI_UNITS: dict[Field, str] = {
 """What is assumed where nothing says a unit (a slide: m, m/s, N)."""
 WORDS: dict[Field, tuple[str, ...]] = {
     "position": ("position", "positions", "pos", "q", "qpos", "angle", "x", "theta"),
-    "velocity": ("velocity", "velocities", "vel", "dq", "qd", "qvel", "speed", "v", "omega"),
-    "effort": ("effort", "efforts", "torque", "torques", "tau", "tau_j", "u"),
+    "velocity": ("velocity", "velocities", "vel", "dq", "qd", "qvel", "speed", "v", "omega", "dtheta", "thetadot"),
+    "effort": ("effort", "efforts", "torque", "torques", "tau", "tau_j", "u", "tau_est", "tauest"),
     "current": ("current", "currents", "cur"),
     "magnitude": ("absu", "abstau", "abseffort", "abstorque"),
     "goal": ("goal", "action"),
@@ -77,13 +77,14 @@ _WORD = f"(?P<word>{_any(set(FIELD_OF))})"
 _LONG = f"(?P<word>{_any(set(FIELD_OF) - SHORT)})"
 _UNIT = f"(?:_(?P<unit>{_any({ending for found in _ENDINGS.values() for ending in found})}))?"
 _ACTUAL = "(?:actual_|measured_|meas_)?"
+_JOINT = "(?:(?<=[_.])(?:j|jnt|joint|axis|a)[_.]?)?"
 _ACTUAL_AFTER = "(?:_(?:actual|act|measured|meas|fb))?"
 
 RULES: tuple[tuple[str, re.Pattern[str]], ...] = tuple(
     (said, re.compile(pattern, re.IGNORECASE))
     for said, pattern in (
-        # position[0], /joint_states/effort[12], field.position0, actual_qd_0, x1_rad, tau1, q.7, pos_meas1
-        ("numbered", rf"^(?:.*[./])?{_ACTUAL}{_WORD}{_ACTUAL_AFTER}[\[_.]?(?P<number>\d{{1,3}})\]?{_UNIT}$"),
+        # position[0], /joint_states/effort[12], field.position0, actual_qd_0, x1_rad, tau1, q.7, pos_meas1, position_j1
+        ("numbered", rf"^(?:.*[./])?{_ACTUAL}{_WORD}{_ACTUAL_AFTER}[\[_.]?{_JOINT}(?P<number>\d{{1,3}})\]?{_UNIT}$"),
         # elbow.position, elbow/velocity, /joint_states/elbow/effort, elbow.pos
         ("named", rf"^(?P<joint>\S.*?)[./]{_LONG}{_UNIT}$"),
         # q, dq, tau, x_rad: a log of one joint
