@@ -5,13 +5,29 @@ the diagnosis has the arm's torque. Fixed steps of Runge and Kutta's fourth orde
 """
 
 import math
-from typing import Final
+from typing import Final, cast
 
 import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.jit import compiled, lean
-from harness.proof.paths.plant import BRISTLE, BRISTLE_FORM, ELEMENTS, GEAR, GEAR_U, STATES, WORK, V, X, _rates, dry
+from harness.proof.paths.plant import (
+    BRISTLE,
+    BRISTLE_FORM,
+    ELEMENTS,
+    GEAR,
+    GEAR_U,
+    HELD,
+    STATES,
+    WORK,
+    V,
+    X,
+    _rates,
+    combined,
+    dry,
+    moved,
+    put,
+)
 
 # a body: where its joint is in the one before, axis, mass, centre of mass, inertia about it, rotor
 AT, AXIS, MASS, CENTRE, TURNING, ROTOR, BODY = 0, 3, 6, 7, 10, 13, 14
@@ -20,6 +36,8 @@ _MANY: Final = 4
 _SECANTS: Final = 4
 _SLOW: Final = 1e-6
 """rad/s: what is slower when the first joint turns turns too."""
+_FIRST = cast(int, np.int64(0))
+"""As any other joint's number, for which Numba need not compile anew."""
 
 
 @lean
@@ -121,18 +139,18 @@ def rigid(bodies: FloatArray, up: FloatArray, q: FloatArray, v: FloatArray, a: F
     many = len(bodies)
     frames, arms, w = np.zeros((many + 1, 3, 3)), np.empty((many, 3, 3)), np.empty((many + 1, 3, 3))
     out = np.empty_like(q)
-    frames[0] = np.eye(3)
+    for k in range(3):
+        frames[0, k, k] = 1.0
     for i in range(len(q)):
         _place(bodies, q[i], frames, arms)
-        _torques(bodies, v[i], a[i], up, 0, frames, arms, w, out[i])
+        _torques(bodies, v[i], a[i], up, _FIRST, frames, arms, w, out[i])
     return out
 
 
-@compiled
 def masses(bodies: FloatArray, q: FloatArray) -> FloatArray:
     """Inertia (n, n) at a place (n,)."""
     n = q.size
-    found = rigid(bodies, np.zeros(3), np.repeat(q, n).reshape((n, n)).T.copy(), np.zeros((n, n)), np.eye(n))
+    found = rigid(bodies, np.zeros(3), np.tile(q, (n, 1)), np.zeros((n, n)), np.eye(n))
     return 0.5 * (found + found.T)
 
 
@@ -176,7 +194,7 @@ def _slowed(
     for j in range(n):
         free[j], gain[j], one[j] = rest[j] + s[j, X], s[j, V], 0.0
     _place(bodies, free, frames, arms)
-    _torques(bodies, gain, none, up, 0, frames, arms, w, need)
+    _torques(bodies, gain, none, up, _FIRST, frames, arms, w, need)
     for j in range(n):
         one[j] = 1.0
         # what joints before it feel is by symmetry what it feels of them
@@ -185,7 +203,7 @@ def _slowed(
         for k in range(j):
             inertia[j, k] = inertia[k, j]
     for j in range(n):
-        net = _rates(s[j], t, u[j], side[j], True, x0[j], b[j], p[j], tables, out[j])
+        net = _rates(s[j], t, u[j], side[j], HELD, x0[j], b[j], p[j], tables, out[j])
         if p[j, BRISTLE] == 0.0:
             net -= side[j] * dry(s[j, X], s[j, V], t, s[j, WORK], b[j], p[j], tables)
         free[j] = net - need[j]
@@ -211,21 +229,45 @@ def _step(
     need: FloatArray,
 ) -> None:  # fmt: skip
     """One step of a state, into w[5]. w : room to work in, (6, n, STATES)."""
-    x0 = s[:, X].copy()
-    _slowed(s, t, u, side, rest, x0, bodies, up, b, p, tables, room, mass, w[0], need)
-    w[4] = s + 0.5 * h * w[0]
-    _slowed(w[4], t + 0.5 * h, u, side, rest, x0, bodies, up, b, p, tables, room, mass, w[1], need)
-    w[4] = s + 0.5 * h * w[1]
-    _slowed(w[4], t + 0.5 * h, u, side, rest, x0, bodies, up, b, p, tables, room, mass, w[2], need)
-    w[4] = s + h * w[2]
-    _slowed(w[4], t + h, u, side, rest, x0, bodies, up, b, p, tables, room, mass, w[3], need)
-    w[5] = s + h / 6.0 * (w[0] + 2.0 * w[1] + 2.0 * w[2] + w[3])
+    n, x0 = len(s), _column(s, X)
+    for stage in range(4):
+        # at the beginning, twice halfway, and at the end
+        into = 0.0 if stage == 0 else (h if stage == 3 else 0.5 * h)
+        for j in range(n):
+            if stage == 0:
+                put(s[j], w[4, j])
+            else:
+                moved(s[j], into, w[stage - 1, j], w[4, j])
+        _slowed(w[4], t + into, u, side, rest, x0, bodies, up, b, p, tables, room, mass, w[stage], need)
+    for j in range(n):
+        combined(s[j], h, w[0, j], w[1, j], w[2, j], w[3, j], w[5, j])
+
+
+@compiled
+def _column(s: FloatArray, at: int) -> FloatArray:
+    """What all joints have at one place of their state (n, STATES), (n,)."""
+    found = np.empty(len(s))
+    for j in range(len(s)):
+        found[j] = s[j, at]
+    return found
 
 
 @compiled
 def _turned_back(w: FloatArray, side: FloatArray, p: FloatArray, slow: float) -> BoolArray:
     """Joints (n,) that a step carries beyond a reversal, or to one but for a speed."""
-    found: BoolArray = (w[5, :, V] * side < slow) & (side != 0.0) & (p[:, BRISTLE] == 0.0)
+    found = np.empty(side.size, dtype=np.bool_)
+    for j in range(side.size):
+        found[j] = w[5, j, V] * side[j] < slow and side[j] != 0.0 and p[j, BRISTLE] == 0.0
+    return found
+
+
+@compiled
+def _held_again(s: FloatArray, w: FloatArray, side: FloatArray, p: FloatArray) -> bool:
+    """Whether some joints that came loose would be held again before they have moved: they stay at rest, in place."""
+    back, found = _turned_back(w, side, p, 0.0), False
+    for j in range(len(s)):
+        if back[j] and s[j, V] == 0.0:
+            side[j], found = 0.0, True
     return found
 
 
@@ -237,7 +279,7 @@ def _let_go(
 ) -> None:  # fmt: skip
     """Give joints that friction cannot hold a direction, in place, the one that is pulled most beyond it first."""
     for _ in range(len(s) + 1):
-        _slowed(s, t, u, side, rest, s[:, X].copy(), bodies, up, b, p, tables, room, mass, w[0], need)
+        _slowed(s, t, u, side, rest, _column(s, X), bodies, up, b, p, tables, room, mass, w[0], need)
         worst, which = 0.0, -1
         for j in range(len(s)):
             if side[j] == 0.0 and p[j, BRISTLE] == 0.0:
@@ -262,12 +304,9 @@ def _advance(
         _let_go(s, t, u, side, rest, bodies, up, b, p, tables, room, mass, w, need)
         done, low, high = left, 0.0, left
         _step(s, t, done, u, side, rest, bodies, up, b, p, tables, room, mass, w, need)
-        back = _turned_back(w, side, p, 0.0) & (s[:, V] == 0.0)
-        if np.any(back):
-            # what comes loose and is held again before it has moved does not come loose
-            side[back] = 0.0
+        if _held_again(s, w, side, p):
             _step(s, t, done, u, side, rest, bodies, up, b, p, tables, room, mass, w, need)
-        from_v, to_v = s[:, V].copy(), w[5, :, V].copy()
+        from_v, to_v = _column(s, V), _column(w[5], V)
         for _ in range(_SECANTS):
             # where the first joint turns, by straight lines between speeds before and after
             first = np.inf
@@ -279,16 +318,17 @@ def _advance(
             done = max(first, 1e-4 * left)
             _step(s, t, done, u, side, rest, bodies, up, b, p, tables, room, mass, w, need)
             if np.any(_turned_back(w, side, p, 0.0)):
-                high, to_v = done, w[5, :, V].copy()
+                high, to_v = done, _column(w[5], V)
             else:
-                low, from_v = done, w[5, :, V].copy()
+                low, from_v = done, _column(w[5], V)
         if done < left:
             stops = _turned_back(w, side, p, _SLOW)
             for j in range(n):
                 if stops[j]:
                     w[5, j, V], side[j] = 0.0, 0.0
         _slip(s, w[5], t, b, p, tables)
-        s[:] = w[5]
+        for j in range(n):
+            put(w[5, j], s[j])
         t, left = t + done, left - done
 
 
@@ -316,22 +356,27 @@ def controlled(
     m, n = goal.shape
     rows, s, w = np.empty((m, n, 4)), np.zeros((n, STATES)), np.empty((6, n, STATES))
     side, room, need, now = np.zeros(n), np.zeros((3, len(bodies) + 1, 3, 3)), np.empty(n), b.copy()
-    room[0, 0], mass = np.eye(3), np.zeros((n + 4, n))
-    s[:, X] = goal[0]
-    pace, total, u, h = np.zeros(n), np.zeros(n), np.zeros(n), dt / fine
-    before = np.floor(s[:, X] / count + 0.5) * count
+    mass, pace, total = np.zeros((n + 4, n)), np.zeros(n), np.zeros(n)
+    u, before, h = np.zeros(n), np.empty(n), dt / fine
+    for k in range(3):
+        room[0, 0, k, k] = 1.0
+    for j in range(n):
+        s[j, X] = goal[0, j]
+        before[j] = math.floor(s[j, X] / count + 0.5) * count
     for i in range(m):
-        seen = np.floor(s[:, X] / count + 0.5) * count
-        pace += gains[:, 3] * ((seen - before) / dt - pace)
-        before = seen
-        total += (goal[i] - seen) * dt
-        u = gains[:, 0] * (goal[i] - seen) + gains[:, 1] * (speed[i] - pace) + gains[:, 2] * total + ahead[i]
         for j in range(n):
+            seen = math.floor(s[j, X] / count + 0.5) * count
+            off = goal[i, j] - seen
+            pace[j] += gains[j, 3] * ((seen - before[j]) / dt - pace[j])
+            before[j] = seen
+            total[j] += off * dt
+            u[j] = gains[j, 0] * off + gains[j, 1] * (speed[i, j] - pace[j]) + gains[j, 2] * total[j] + ahead[i, j]
             if p[j, GEAR] != 0.0:
                 # what the teeth carry beyond their preload
                 now[j, 3] = b[j, 3] + p[j, GEAR] * (math.sqrt(u[j] ** 2 + p[j, GEAR_U] ** 2) - p[j, GEAR_U])
         _let_go(s, i * dt, u, side, rest, bodies, up, now, p, tables, room, mass, w, need)
-        rows[i, :, 0], rows[i, :, 1], rows[i, :, 2], rows[i, :, 3] = s[:, X], s[:, V], w[0, :, V], u
+        for j in range(n):
+            rows[i, j, 0], rows[i, j, 1], rows[i, j, 2], rows[i, j, 3] = s[j, X], s[j, V], w[0, j, V], u[j]
         for k in range(fine):
             _advance(s, side, i * dt + k * h, h, u, rest, bodies, up, now, p, tables, room, mass, w, need)
     return rows

@@ -5,12 +5,12 @@ an amplifier follows or that a stiff arm pushes with. An effect is an array of n
 """
 
 import math
-from typing import Final
+from typing import Final, cast
 
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.core.jit import compiled
+from harness.core.jit import compiled, lean
 
 # places in the numbers of an effect
 (DRAG, DRAG_V, DRAG_FORM, STRIBECK, STRIBECK_V, STRIBECK_FORM, STICK, STICK_T, STICK_FORM, BRISTLE, BRISTLE_FORM, STOP,
@@ -26,6 +26,8 @@ _MANY: Final = 4
 STATES: Final = ELEMENTS + _MANY
 TABLE: Final = 257
 """Points of a law of no name, over twice its range."""
+HELD, FREE = cast(bool, np.bool_(True)), cast(bool, np.bool_(False))
+"""Whether friction holds it: Numba compiles a function anew for every word True or False that it is given."""
 
 
 @compiled
@@ -170,6 +172,28 @@ def _rates(
     return float(u - f)
 
 
+@lean
+def put(values: FloatArray, out: FloatArray) -> None:
+    """A state put in another's place. Sums of whole arrays, and this by a slice, are compiled ten times as long."""
+    for i in range(values.size):
+        out[i] = values[i]
+
+
+@lean
+def moved(s: FloatArray, h: float, rates: FloatArray, out: FloatArray) -> None:
+    """A state carried on by h at these rates."""
+    for i in range(s.size):
+        out[i] = s[i] + h * rates[i]
+
+
+@lean
+def combined(s: FloatArray, h: float, k1: FloatArray, k2: FloatArray, k3: FloatArray, k4: FloatArray,
+             out: FloatArray) -> None:  # fmt: skip
+    """A state carried on by h, by the slopes of Runge and Kutta's fourth order."""
+    for i in range(s.size):
+        out[i] = s[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i])
+
+
 @compiled
 def _step(
     s: FloatArray, t: float, h: float, u: float, rate: float, side: float, held: bool, b: FloatArray, p: FloatArray,
@@ -178,13 +202,13 @@ def _step(
     """One step of a state, into w[5]. w : room to work in, (6, STATES)."""
     x0 = s[X]
     _rates(s, t, u, side, held, x0, b, p, tables, w[0])
-    w[4] = s + 0.5 * h * w[0]
+    moved(s, 0.5 * h, w[0], w[4])
     _rates(w[4], t + 0.5 * h, u + 0.5 * h * rate, side, held, x0, b, p, tables, w[1])
-    w[4] = s + 0.5 * h * w[1]
+    moved(s, 0.5 * h, w[1], w[4])
     _rates(w[4], t + 0.5 * h, u + 0.5 * h * rate, side, held, x0, b, p, tables, w[2])
-    w[4] = s + h * w[2]
+    moved(s, h, w[2], w[4])
     _rates(w[4], t + h, u + h * rate, side, held, x0, b, p, tables, w[3])
-    w[5] = s + h / 6.0 * (w[0] + 2.0 * w[1] + 2.0 * w[2] + w[3])
+    combined(s, h, w[0], w[1], w[2], w[3], w[5])
 
 
 @compiled
@@ -198,7 +222,7 @@ def _advance(
         tries += 1
         if side == 0.0 and rigid:
             s[V] = 0.0
-            net = _rates(s, t, u, 0.0, True, s[X], b, p, tables, w[0])
+            net = _rates(s, t, u, 0.0, HELD, s[X], b, p, tables, w[0])
             most = dry(s[X], 0.0, t, s[WORK], b, p, tables)
             if p[STICK] != 0.0:
                 if p[STICK_FORM] == 0.0:
@@ -206,31 +230,31 @@ def _advance(
                 else:
                     most += p[STICK] / (1.0 + abs(rate) * p[STICK_T] / b[3])
             if abs(net) <= most:
-                _step(s, t, left, u, rate, 0.0, True, b, p, tables, w)
-                s[:] = w[5]
+                _step(s, t, left, u, rate, 0.0, HELD, b, p, tables, w)
+                put(w[5], s)
                 return 0.0, stuck + left
             side, stuck = math.copysign(1.0, net), 0.0
-        _step(s, t, left, u, rate, side, False, b, p, tables, w)
+        _step(s, t, left, u, rate, side, FREE, b, p, tables, w)
         done = left
         turned = rigid and w[5, V] * side < 0.0
         if turned:
             low, high = 0.0, left
             for _ in range(40):
                 done = 0.5 * (low + high)
-                _step(s, t, done, u, rate, side, False, b, p, tables, w)
+                _step(s, t, done, u, rate, side, FREE, b, p, tables, w)
                 if w[5, V] * side < 0.0:
                     high = done
                 else:
                     low = done
             done = high
-            _step(s, t, done, u, rate, side, False, b, p, tables, w)
+            _step(s, t, done, u, rate, side, FREE, b, p, tables, w)
             w[5, V], side = 0.0, 0.0
         if not rigid and p[BRISTLE_FORM] == 0.0:
             most = dry(w[5, X], w[5, V], t, s[WORK], b, p, tables) / _MANY
             for i in range(_MANY):
                 one = s[ELEMENTS + i] + most * (i + 1.0) / p[BRISTLE] * (w[5, X] - s[X])
                 w[5, ELEMENTS + i] = min(max(one, -most), most)
-        s[:] = w[5]
+        put(w[5], s)
         t, u, left = t + done, u + rate * done, left - done
     return side, stuck
 
@@ -245,7 +269,7 @@ def _shown(
     net = _rates(s, t, u, side, held, s[X], b, p, tables, w[0])
     if held and abs(net) > dry(s[X], 0.0, t, s[WORK], b, p, tables) + p[STICK]:
         # let go at this very sample
-        _rates(s, t, u, math.copysign(1.0, net), False, s[X], b, p, tables, w[0])
+        _rates(s, t, u, math.copysign(1.0, net), FREE, s[X], b, p, tables, w[0])
     row[0], row[1], row[2], row[3], row[4] = s[X], s[V], w[0, V], u, s[WORK]
 
 
