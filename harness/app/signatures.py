@@ -147,7 +147,8 @@ def _damping(names: Sequence[str], readings: tuple[Reading, Reading], sim: Recor
     if abs(more) < _SURE * error:
         return
     omega = readings[0].omega_n.value or 0.0
-    known: list[tuple[float, str, str]] = []
+    bullets = "the {:.3g} 1/s of Bullet's linearDamping and angularDamping where nobody sets them to 0"
+    known: list[tuple[float, str, str]] = [(_LINK, "link-damping", bullets)]
     if sim.angular:
         known.append((_BODY, "body-damping", "the {:.3g} 1/s of PhysX's angularDamping where nobody sets it to 0"))
     for h in dict.fromkeys((sim.interval, *_SHIPPED)):

@@ -267,8 +267,11 @@ def _judged(pair: tuple[str, str], found: tuple[Quantity, Quantity, Quantity], r
         sentence = f"{second} does not match {first} by a factor of about {factor}; are the units right?"
         return Consistency(pair, gain, lag, offset, True, False, sentence, other_unit=True)
     small = f" ({1.0 / value:.4g} times too small)" if value < 1.0 / _FAR else ""
+    times = f"is {value:.4g} times what {first} says{small}"
+    if f"{value:.4g}" == "1":
+        times = f"is {'above' if value > 1.0 else 'below'} what {first} says by {100.0 * abs(value - 1.0):.2g} %"
     faults = (
-        f"is {value:.4g} times what {first} says{small}",
+        times,
         f"is {'early' if late > 0.0 else 'late'} by {abs(late):.3g} s",
         f"is offset by {off:.3g} {offset.unit}",
     )

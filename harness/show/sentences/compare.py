@@ -98,8 +98,9 @@ def _clock(result: CompareResult, name: str) -> list[str]:
         # of two motions at different rates no shift tells anything
         return [f"{faster_words(result)}; nothing here decides which, so the two count as different"]
     if rate.value is not None and rate.stderr and abs(rate.value - 1.0) >= 4.0 * rate.stderr:
-        error = f"{100.0 * (rate.value - 1.0):.3g} +- {100.0 * rate.stderr:.1g} %"
-        said.append(f"the clock of {name} runs at another rate: its second is longer by {error}")
+        error = f"{100.0 * abs(rate.value - 1.0):.3g} +- {100.0 * rate.stderr:.1g} %"
+        which = "longer" if rate.value > 1.0 else "shorter"
+        said.append(f"the clock of {name} runs at another rate: its second is {which} by {error}")
     close = [one for one in aligned.alternatives if one.worse_by < _CLOSE]
     if close:
         shifts = ", ".join(f"{one.shift_s:.4g}" for one in close)
