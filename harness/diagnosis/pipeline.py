@@ -40,7 +40,7 @@ from harness.diagnosis.moves.classify import classify
 from harness.diagnosis.moves.kinds import MotionKind, Moves
 from harness.diagnosis.outcome import Grade, Holdout, Mechanism, Outcome, Tried
 from harness.diagnosis.prepare.curve import curve_problem
-from harness.diagnosis.prepare.driven import driven_problem, is_driven
+from harness.diagnosis.prepare.driven import driven_problem, is_driven, without_spring
 from harness.diagnosis.prepare.free_decay import free_decay_problem, together
 from harness.diagnosis.prepare.run_down import run_down_problem, run_downs_together, runs_down
 from harness.diagnosis.problem import Problem
@@ -97,7 +97,9 @@ def prepare(recording: Recording, asked: Asked, moves: Moves | None = None) -> t
         moves = moves or classify(recording, asked.restoring)
         falls = asked.restoring is Restoring.NONE or moves.kind is MotionKind.RUN_DOWN
         return run_down_problem(recording, asked) if falls else free_decay_problem(recording, asked)
+    asked, free = without_spring(recording, asked)
     problem, notes = driven_problem(recording, asked)
+    notes = (*free, *notes)
     if not isinstance(problem, InverseDynamics):
         return problem, notes
     if asked.covariates:

@@ -168,7 +168,7 @@ def test_smoothing_of_a_cubic_is_exact() -> None:
 @pytest.mark.parametrize(
     ("channels", "asked", "message"),
     [
-        (("v", "u"), Asked(), "a driven recording whose state cannot be seen"),
+        (("v", "u"), Asked(), "a driven speed without a position.*Try: --restoring none"),
         (("a", "u"), Asked(), "a driven recording whose state cannot be seen"),
         (("x",), Asked(Restoring.NONE), "none, but no force u is recorded"),
         (("x", "u"), Asked(Restoring.NONE, horizon=0.01), "--horizon: 0.01 s"),
@@ -177,8 +177,22 @@ def test_smoothing_of_a_cubic_is_exact() -> None:
 def test_what_cannot_be_done_is_refused(channels: tuple[str, ...], asked: Asked, message: str) -> None:
     recording = driven(TRUTH, n=125)
     values = {c: recording["x" if c != "u" else "u"] for c in channels}
+    values = {c: y - (np.mean(y) if c == "v" else 0.0) for c, y in values.items()}
     with pytest.raises(InputError, match=message):
         prepare(Recording(recording.t, values), asked)
+
+
+def test_a_rotor_that_is_driven_one_way_needs_no_position() -> None:
+    t = np.linspace(0.0, 4.0, 800)
+    u = 0.3 + 0.25 * np.sin(2.0 * t) + 0.2 * np.sin(7.0 * t)
+    v = np.zeros(t.size)
+    for k in range(1, t.size):  # inertia .02, viscous .01, Coulomb .05
+        v[k] = v[k - 1] + (t[1] - t[0]) * (u[k - 1] - 0.01 * v[k - 1] - 0.05) / 0.02
+    noise = 0.02 * np.random.default_rng(2).standard_normal(t.size)
+    assert np.all(v >= 0.0)
+    found, notes = prepare(Recording(t, {"v": v + noise, "u": u}, angular=True), Asked())
+    assert "nothing pulls it back" in " ".join(notes)
+    assert isinstance(found, Driven)
 
 
 def test_a_driven_slider_that_never_moves_is_refused() -> None:

@@ -92,6 +92,13 @@ def test_a_load_cell_that_nothing_loads_does_not_drive_what_moves_freely(kind: s
     assert "u" in without_idle_force(pushed)
 
 
+def test_a_wheel_that_viscous_friction_alone_stops_is_no_drift_once_it_has_turned() -> None:
+    """An angle that comes to a level exponentially, 20 turns on; within one turn a sensor may drift so."""
+    x = 120.0 * (1.0 - np.exp(-T / 4.0)) + 1e-3 * np.random.default_rng(7).standard_normal(T.size)
+    assert classify(Recording(T, {"x": x}, "wheel.csv", angular=True)).kind == "run-down"
+    assert classify(Recording(T, {"x": x / 120.0}, "drift.csv", angular=True)).kind == "not-mechanical"
+
+
 def test_the_force_of_its_own_spring_does_not_drive_what_swings() -> None:
     moved = CASES["free-decay"]()
     spring = 49.0 * moved["x"] + 0.01 * np.random.default_rng(6).standard_normal(len(moved))

@@ -37,7 +37,7 @@ def classify(recording: Recording, restoring: Restoring | None = None) -> Moves:
         return _forced(series, name)
     free = restoring in (None, Restoring.NONE) and name != "a"
     if free and (span := falls(recording)) is not None:
-        part, told = slice(*span), "v" in recording or restoring is not None
+        part, told = slice(*span), "v" in recording or restoring is not None or _turns(recording)
         if not told and creeps(recording.t[part], recording["x"][part]):
             return Moves(MotionKind.NOT_MECHANICAL, f"no dry friction stops what creeps to a level{_OR_NOT}")
         ends = float(recording.t[span[0]]), float(recording.t[span[1] - 1])
@@ -45,7 +45,12 @@ def classify(recording: Recording, restoring: Restoring | None = None) -> Moves:
     if free and rises(recording):
         return Moves(MotionKind.SPIN_UP, "its speed keeps one sign and rises")
     stays = {"x": _placed, "v": _levels}.get(name)
-    return _unsmooth(series) or (None if stays is None else stays(series, free)) or _swung(series)
+    return (
+        _unsmooth(series)
+        or (_drifts(series) if name == "x" and not (free and _turns(recording)) else None)
+        or (None if stays is None else stays(series, free))
+        or _swung(series)
+    )
 
 
 _FREE = (MotionKind.FREE_DECAY, MotionKind.SEVERAL_DECAYS, MotionKind.RUN_DOWN)
@@ -92,6 +97,11 @@ def _forced(series: Series, name: str) -> Moves:
     return Moves(MotionKind.DRIVEN, "a force that was recorded acts", forced=True)
 
 
+def _turns(recording: Recording) -> bool:
+    """Whether an angle goes through more than a turn, as no sensor drifts."""
+    return recording.angular and "x" in recording and float(np.ptp(recording["x"])) > 2.0 * np.pi
+
+
 def _unsmooth(series: Series) -> Moves | None:
     """What no mass does."""
     if series.jumps > 1:
@@ -103,10 +113,15 @@ def _unsmooth(series: Series) -> Moves | None:
     return Moves(MotionKind.NOT_MECHANICAL, "too rough from sample to sample for a mass, at any level of noise")
 
 
+def _drifts(series: Series) -> Moves | None:
+    """What comes to a level as a sensor does."""
+    if not relaxes(series):
+        return None
+    return Moves(MotionKind.NOT_MECHANICAL, f"an exponential towards a level{_OR_NOT}")
+
+
 def _placed(series: Series, free: bool) -> Moves | None:
-    """What goes from place to place, or at one speed, where nothing pulls it back; what comes to a level."""
-    if relaxes(series):
-        return Moves(MotionKind.NOT_MECHANICAL, f"an exponential towards a level{_OR_NOT}")
+    """What goes from place to place, or at one speed, where nothing pulls it back."""
     if not free:
         return None
     if steady(series):

@@ -46,6 +46,23 @@ _MOVES = 1.5
 """Times its noise by which some channel of a driven slider must scatter."""
 
 
+_ONE_WAY = 0.5
+"""Share of its path by which a rotor ends elsewhere than it began: on a spring nothing does."""
+
+
+def without_spring(recording: Recording, asked: Asked) -> tuple[Asked, tuple[str, ...]]:
+    """What was asked of a driven recording, without a spring where a speed alone was recorded and goes on and on one
+    way, and the sentence that says so.
+    """
+    if asked.restoring is not None or "x" in recording or "v" not in recording:
+        return asked, ()
+    v, dt = recording["v"], np.gradient(recording.t)
+    if abs(float(v @ dt)) < _ONE_WAY * float(np.abs(v) @ dt):
+        return asked, ()
+    said = "It goes on one way, so that nothing pulls it back (--restoring none)."
+    return replace(asked, restoring=Restoring.NONE), (said,)
+
+
 def is_driven(recording: Recording) -> bool:
     """Whether a measured force acts."""
     return "u" in recording and bool(np.any(recording["u"] != 0.0))
@@ -76,9 +93,12 @@ def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course, tuple[str
     """The question without a choice of how it is fitted, the smoothed course, and what was done, one sentence each."""
     restoring = asked.restoring or Restoring.SPRING
     where = f"{recording.file}: channels {', '.join(recording.channels)}"
-    if "x" not in recording and ("v" not in recording or restoring is not Restoring.NONE):
-        need = "x, or v with --restoring none," if "v" in recording else "x (or v with --restoring none)"
-        raise InputError(where, "a driven recording whose state cannot be seen", f"{need} beside u")
+    if "x" not in recording and "v" not in recording:
+        raise InputError(
+            where, "a driven recording whose state cannot be seen", "x (or v with --restoring none) beside u"
+        )
+    if "x" not in recording and restoring is not Restoring.NONE:
+        raise InputError(where, "a driven speed without a position; if nothing pulls it back", "try: --restoring none")
     t, u = recording.t, recording["u"]
     if float(np.ptp(u)) == 0.0:
         raise InputError(f"{recording.file}: channel u", f"the constant {u[0]:g}", "a force that changes")
