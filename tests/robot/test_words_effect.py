@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from harness.app.words import statement, words
-from harness.robot.words.find import Found, words_in
+from harness.robot.words.find import words_in
+from harness.robot.words.found import Found
 from harness.robot.words.motion import installed, model, speeds
 from harness.robot.words.table import Form, table
 
@@ -143,6 +144,22 @@ def test_what_is_included_stands_where_its_include_does(tmp_path: Path) -> None:
 
 
 MASS = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '<mujoco><body><joint class="arm" damping="1"/><geom size=".1"/></body></mujoco>',
+        '<mujoco><actuator><position joint="elbow" kp="2"/></actuator></mujoco>',
+        '<mujoco><default><default class="arm"><joint damping="1"/></default></default><asset/></mujoco>',
+    ],
+)
+def test_a_part_that_others_include_may_name_what_they_have(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "part.xml"
+    path.write_text(text)
+    assert [one.problem for one in words_in(path).found] == [""]
+
+
 LINKS = (
     f'<link name="a"/><link name="b">{MASS}</link><joint name="j" type="continuous"><parent link="a"/>'
     '<child link="b"/>{}</joint>'
@@ -191,6 +208,68 @@ def test_contact_words_are_called_by_their_elements(tmp_path: Path) -> None:
     assert (one.name, one.value, one.problem) == ("rolling_friction", ".1", "")
 
 
+REFUSED = [
+    (ARM.format("", "", 'class="nope" damping="1"', ""), "damping"),
+    (ARM.format("", "", "", POSITION.replace('"j"', '"nope"').format('kp="2"')), "kp"),
+    (ARM.format("", "", 'springdamper="0 1"', ""), "springdamper"),
+    (ARM.format("", "", "", POSITION.format('kp="2" dampratio="-1"')), "dampratio"),
+    (ARM.format("", "", "", POSITION.format('kp="2" kv="1" dampratio="1"')), "kv"),
+    (box(box='condim="2"'), "condim"),
+    (ARM.format('<option><flag passive="disable"/></option>', "", "", ""), "passive"),
+]
+
+
+@pytest.mark.parametrize(("text", "name"), REFUSED)
+def test_a_word_for_which_mujoco_refuses_the_file_is_said_to_be_refused(tmp_path: Path, text: str, name: str) -> None:
+    with pytest.raises(ValueError, match="Error"):
+        mujoco.MjModel.from_xml_string(text)
+    assert found(tmp_path, text, name).taken("mujoco").fate == "refused"
+
+
+def test_a_contact_has_no_friction_below_zero(tmp_path: Path) -> None:
+    below, none = (box(floor=f'friction="{mu}"', box=f'friction="{mu}"') for mu in ("-.5", "0"))
+    assert np.allclose(moved(below), moved(none))
+    one = found(tmp_path, below, "friction")
+    assert (one.taken("mujoco").fate, "no more than 0" in one.problem) == ("dropped", True)
+    assert not found(tmp_path, none, "friction").problem
+
+
+@pytest.mark.parametrize("inside", ["<dynamics/>", "<dynamics></dynamics>"])
+def test_dynamics_with_neither_word_is_refused_by_parsers_of_urdf(tmp_path: Path, inside: str) -> None:
+    one = urdf(tmp_path, inside)
+    text = (tmp_path / "a.urdf").read_text()
+    readers = [reader for reader in ("mujoco", "pybullet", "dart") if installed(table().readers[reader])]
+    did = speeds("urdf", [(reader, text) for reader in readers])
+    assert one.problem == "has neither damping nor friction"
+    assert [one.taken(reader).fate == "refused" for reader in readers] == [v is None for v in did]
+
+
+SURFACE = "<surface><friction><ode><mu>.4</mu></ode></friction></surface>"
+
+
+@pytest.mark.parametrize(
+    ("model", "name", "said"),
+    [
+        (f'<link name="a"><collision name="c">{SURFACE}</collision></link>', "mu", ""),
+        (f'<link name="a">{SURFACE}</link>', "mu", "<collision>"),
+        (
+            '<static>true</static><joint name="j" type="revolute"><axis><dynamics><damping>1</damping></dynamics>'
+            "</axis></joint>",
+            "damping",
+            "<static>",
+        ),
+    ],
+)
+def test_an_sdf_has_its_surfaces_in_collisions_and_moves_where_it_is_not_static(
+    tmp_path: Path, model: str, name: str, said: str
+) -> None:
+    path = tmp_path / "a.sdf"
+    path.write_text(f'<sdf version="1.7"><model name="m">{model}</model></sdf>')
+    (one,) = words_in(path).found
+    assert (one.name, bool(one.problem)) == (name, bool(said))
+    assert said in one.fix
+
+
 USD = '#usda 1.0\ndef {} "elbow" (\n    prepend apiSchemas = [{}]\n)\n{{\n    float {}\n}}\n'
 
 
@@ -202,6 +281,9 @@ USD = '#usda 1.0\ndef {} "elbow" (\n    prepend apiSchemas = [{}]\n)\n{{\n    fl
         ("PhysicsRevoluteJoint", '"PhysicsDriveAPI:linear"', "drive:linear:physics:damping = 2", "drive:angular"),
         ("PhysicsRevoluteJoint", "", "drive:angular:physics:damping.timeSamples = { 0: 2 }", "physics:damping = "),
         ("PhysicsRevoluteJoint", "", "physics:damping = 2", "newton:damping = 2"),
+        ("PhysicsRevoluteJoint", "", "physxJoint:armature = 2", '"PhysxJointAPI"'),
+        ("Material", "", "physics:dynamicFriction = .4", '"PhysicsMaterialAPI"'),
+        ("Material", '"PhysicsMaterialAPI"', "physics:dynamicFriction = .4", ""),
     ],
 )
 def test_a_drive_of_a_usd_has_an_axis_of_its_joint_and_is_applied(

@@ -66,8 +66,30 @@ class Effects:
         on = self._defaults.having(node, word.name)
         if not on:
             return self._of_a_class(word, node)
-        found = [self._beside(word.name, numbers(value), one) for one in on]
+        found = [self._unnamed(one) or self._beside(word.name, numbers(value), one) for one in on]
         return next((one for one in found if one is not None), None) if all(found) else None
+
+    @cached_property
+    def _part(self) -> bool:
+        """Whether the file is one that others include, with what it names."""
+        ways = {one.way for one in self._nodes}
+        return self._nodes[0].tag != "mujoco" or ("mujoco", "worldbody") not in ways or ("mujoco", "body") in ways
+
+    @cached_property
+    def _joints(self) -> set[str | None]:
+        return {one.attributes.get("name") for one in self._defaults.outside if one.tag in ("joint", "freejoint")}
+
+    def _unnamed(self, node: Node) -> Lost | None:
+        """A class or a joint that an element names and that is not there, for which its file is refused."""
+        name = self._defaults.class_of(node)
+        if self._part or self._touching.open:
+            return None
+        if not self._defaults.knows(name):
+            return Lost(f"no default is of the class {name}", "name one that there is", _MUJOCO, fate="refused")
+        joint = node.attributes.get("joint")
+        if family(node.tag) == "actuator" and joint is not None and joint not in self._joints:
+            return Lost(f"no joint is called {joint}", "name one that there is", _MUJOCO, fate="refused")
+        return None
 
     def _beside(self, name: str, values: Sequence[float], node: Node) -> Lost | None:
         """What other words do to one that this element has."""
@@ -119,7 +141,7 @@ class Effects:
     def _of_a_class(self, word: Word, node: Node) -> Lost | None:
         """A default that no element has."""
         inside = next(one for one in node.above() if one.tag == "default")
-        if self._nodes[0].tag == "mujocoinclude" or not any(self._defaults.alike(node)):
+        if self._part or not any(self._defaults.alike(node)):
             return None  # a library of classes
         name = inside.attributes.get("class", "main")
         own = [one for one in self._nodes if one.tag == "default" and inside in list(one.above())]
@@ -210,6 +232,15 @@ _AXES: Final = {
 """Instances of a drive that a joint's type has."""
 
 
+_SCHEMAS: Final = {
+    r"drive:": "PhysicsDriveAPI:{}",
+    r"physxJointAxis:": "PhysxJointAxisAPI:{}",
+    r"physxJoint:": "PhysxJointAPI",
+    r"physics:\w+Friction$": "PhysicsMaterialAPI",
+}
+"""Of attributes, by how their names begin, the schema that a prim has to apply so that they are read."""
+
+
 def _in_usd(word: Word, node: Node) -> Lost | None:
     """A drive of an axis that the joint has not, or that is not applied; friction at rest below that of sliding."""
     name, prim = next(iter(node.attributes)), node.parent
@@ -217,22 +248,20 @@ def _in_usd(word: Word, node: Node) -> Lost | None:
         return None
     beside = {key: value for one in prim.children for key, value in one.attributes.items()}
     static = numbers(beside.get(name.replace("dynamicFriction", "staticFriction")))
-    if "dynamicFriction" in name and static < numbers(beside[name]):
+    if name.endswith("dynamicFrictionEffort") and static < numbers(beside[name]):
         return Lost("it is above its staticFrictionEffort", "write at least as much there", grade="partly")
-    found = re.match(r"drive:(\w+):", name)
-    if found is None:
+    schema = next((to for of, to in _SCHEMAS.items() if re.match(of, name)), None)
+    if schema is None:
         return None
-    axes = _AXES.get(prim.tag)
-    if axes is not None and found[1] not in axes:
-        return Lost(f"a {prim.tag} has no axis {found[1]}", f"write drive:{axes[0]}:...")
+    axis = name.split(":")[1]
+    wanted, axes = schema.format(axis), _AXES.get(prim.tag)
+    if axes is not None and "{}" in schema and axis not in axes:
+        return Lost(f"a {prim.tag} has no axis {axis}", f"write {name.replace(f':{axis}:', f':{axes[0]}:')}")
     schemas = re.search(r"apiSchemas\s*=\s*\[([^\]]*)\]", prim.text)
     elsewhere = re.search(r"references|payload|inherits|specializes|variantSets", prim.text)
-    if (
-        axes is not None
-        and elsewhere is None
-        and f'"PhysicsDriveAPI:{found[1]}"' not in (schemas[1] if schemas else "")
-    ):
-        return Lost("the schema of the drive is not applied", f'add "PhysicsDriveAPI:{found[1]}" to apiSchemas')
+    typed = axes is not None or prim.tag == "Material"
+    if typed and elsewhere is None and f'"{wanted}"' not in (schemas[1] if schemas else ""):
+        return Lost(f"the schema {wanted} is not applied", f'add "{wanted}" to apiSchemas')
     return None
 
 
@@ -240,6 +269,10 @@ _OF_JOINTS: Final = ("friction", "damping", "spring", "armature")
 
 
 def _in_a_fixed_joint(word: Word, value: str, node: Node) -> Lost | None:
+    model = next((one for one in node.above() if one.tag == "model"), node)
+    still = any(one.tag == "static" and one.text in ("true", "1") for one in model.children)
+    if still and word.form == "sdf" and word.kind in _OF_JOINTS:
+        return Lost("its model is static", "take <static> out")
     joint = next((one for one in node.above() if one.tag == "joint"), None)
     zero = re.fullmatch(r"[0.\s]*", value)
     if joint is not None and joint.attributes.get("type") == "fixed" and word.kind in _OF_JOINTS and not zero:

@@ -4,18 +4,19 @@ Wrong is a word that no reader knows, one that stands where no reader looks for 
 something else in the file takes the effect from.
 """
 
-import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from difflib import SequenceMatcher, get_close_matches
 from pathlib import Path
 from typing import Final
 
 from harness.robot.words.effect import Effects
+from harness.robot.words.found import Found, place_of
 from harness.robot.words.read import Node, nodes_of, unread
-from harness.robot.words.table import DROPPED, FORMS, Fate, Form, Kind, Taken, Word, table
+from harness.robot.words.table import FORMS, Form, Kind, Taken, Word, table
 from harness.robot.words.touching import numbers
+from harness.robot.words.values import NUMBER, checked, no_file
 
 _TELLING: Final[dict[Kind, str]] = {
     "friction": r"frict|stiction|coulomb|stribeck|breakaway",
@@ -37,33 +38,6 @@ _NOT_LOOKED_INTO = (
     "metadata",
     "text",
 )
-_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
-
-
-@dataclass(frozen=True, slots=True)
-class Found:
-    """A word of a file.
-
-    place : the joint, link or prim that it is of. problem : a sentence; "" for none. fix : what to write. note : what
-    is to be known of it, "" for nothing. cells : what readers make of it where that is not what the table says.
-    """
-
-    word: Word | None
-    kind: Kind
-    name: str
-    value: str
-    place: str
-    file: Path
-    line: int
-    problem: str = ""
-    fix: str = ""
-    note: str = ""
-    cells: tuple[tuple[str, Taken], ...] = ()
-
-    def taken(self, reader: str) -> Taken:
-        """What a reader makes of it."""
-        own = DROPPED if self.word is None else self.word.taken(reader)
-        return dict(self.cells).get(reader, own)
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +74,8 @@ def _of_node(form: Form, node: Node) -> Iterator[tuple[Found, Node]]:
         own = _known(form, holder.way, node.tag, element=True)
         if own is not None:
             # an SDF's value as a URDF for Gazebo may have it
-            yield _checked(own, own.name, node.text or node.attributes.get("value", ""), node), holder
+            one = checked(own, own.name, node.text or node.attributes.get("value", ""), node)
+            yield replace(one, cells=(*one.cells, *_without_either(form, holder))), holder
             return
         wants = next(
             (w for w in table().words[form] if not w.element and w.name == "value" and w.stands(node.way)), None
@@ -116,12 +91,16 @@ def _of_node(form: Form, node: Node) -> Iterator[tuple[Found, Node]]:
         ):
             # <mu> in a flag of MJCF and the like are attributes: an element is a word where it holds nothing else
             yield _stray(form, node, node.tag, node.text, kind, element=True), node
+    if form == "urdf" and not node.attributes and (cells := _without_either(form, node)):
+        problem, fix = "has neither damping nor friction", 'write <dynamics damping="0" friction="0"/>, or take it out'
+        own_place = (place_of(node), node.file, node.line)
+        yield Found(None, "damping", "dynamics", "", *own_place, problem, fix, cells=cells), node
     for name, value in node.attributes.items():
         if name in _NO_VALUE or not name:
             continue
         own = _known(form, node.way, name, element=False, value=value)
         if own is not None:
-            yield _checked(own, node.tag if name == "value" else name, value, node), node
+            yield checked(own, node.tag if name == "value" else name, value, node), node
         elif (kind := _kind(form, name)) is not None:
             yield _stray(form, node, name, value, kind, element=False), node
 
@@ -132,14 +111,14 @@ def _of_extension(node: Node) -> Iterator[tuple[Found, Node]]:
         own = _known("mjcf", node.way[1:], name, element=False)
         if own is not None:
             cells = {one: taken for one, taken in own.cells.items() if table().readers[one].parser == "mujoco"}
-            yield _checked(replace(own, cells=cells), name, value, node), node
+            yield checked(replace(own, cells=cells), name, value, node), node
 
 
 def _without_attribute(word: Word, node: Node) -> Found:
     """An element whose value stands in it as text, or not at all."""
     problem = "has its value as text, and readers look for an attribute" if node.text else "has no value"
     refused = tuple((one, Taken("refused", "the file is not loaded")) for one in word.cells)
-    place, fix = _place(node), f"write {word.written(node.text or '...')}"
+    place, fix = place_of(node), f"write {word.written(node.text or '...')}"
     return Found(word, word.kind, node.tag, node.text, place, node.file, node.line, problem, fix, cells=refused)
 
 
@@ -195,153 +174,6 @@ _HOUSE: Final[dict[Form, frozenset[str]]] = {
 }
 
 
-def _place(node: Node) -> str:
-    """The nearest thing above that has a name."""
-    for one in node.above():
-        name = next((one.attributes[key] for key in ("name", "joint", "reference", "") if key in one.attributes), None)
-        if name is not None and one.tag != "attribute":
-            return f"{one.tag} {name}" if "" not in one.attributes else name
-        if one.tag == "default":
-            return f"default {one.attributes.get('class', 'main')}"
-    return node.way[min(1, len(node.way) - 1)]
-
-
-def _checked(word: Word, name: str, value: str, node: Node) -> Found:
-    """A word that is in its place, with what is wrong with its value."""
-    found = Found(word, word.kind, name, value, _place(node), node.file, node.line)
-    if any(tag.startswith("xacro:") for tag in node.way):
-        problem, cells = "stands in a macro of xacro", tuple((one, DROPPED) for one in word.cells)
-        return replace(found, problem=f"{problem}, which no reader expands", fix=_EXPAND, cells=cells)
-    if word.unit == "enable, disable":
-        return found
-    said = value.strip("()").replace(",", " ").split() if word.form == "usd" else value.split()
-    wrong = [part for part in said if not _NUMBER.fullmatch(part)]
-    write = f"write {word.written('0.1')}, in {word.unit.split(';')[0]}"
-    if not said or wrong:
-        if any("${" in part or "$(" in part for part in said):
-            problem, write = "is an expression of xacro, not a number", _EXPAND
-        elif value.startswith("{"):
-            problem = "has time samples, and readers take its one value"
-        elif not said:
-            problem = "has no value"
-        elif any(re.fullmatch(r"[-+]?\d+,\d+", part) for part in said):
-            problem, write = "has a decimal comma", f"write {word.written(value.replace(',', '.'))}"
-        elif all(_NUMBER.fullmatch(part) is None for part in said) and _finite(said[0]) is None:
-            problem = "is no number"
-        elif not all(math.isfinite(_finite(part) or 0.0) for part in said):
-            problem = "is not finite"
-        else:
-            problem = "has a unit in it, which no reader knows"
-            write = f"write the number alone, in {word.unit.split(';')[0]}"
-        return replace(found, problem=f"{problem}: {value!r}", fix=write, cells=_misread(word, said))
-    if len(said) > word.count:
-        few = "one number is" if word.count == 1 else f"at most {word.count} numbers are"
-        return replace(found, problem=f"{few} read, and {len(said)} stand there", fix=write, cells=_misread(word, said))
-    if not word.negative and any(float(part) < 0.0 for part in said):
-        return replace(
-            found,
-            problem=f"is negative: {value}, which feeds energy in wherever it is read",
-            fix=write,
-            cells=tuple((one, Taken("meaning", "it drives the motion")) for one in word.cells if _reads(word, one))
-            + tuple((one, Taken(fate, note)) for one, fate, note in _NEGATIVE if one in word.cells),
-        )
-    return found
-
-
-_NEGATIVE: Final[tuple[tuple[str, Fate, str], ...]] = (
-    ("drake", "refused", "below zero"),
-    ("dart", "dropped", "below zero"),
-    ("gazebo", "dropped", "below zero, by DART"),
-    ("rapier", "dropped", "below zero"),
-)
-
-
-def _reads(word: Word, reader: str) -> bool:
-    return word.taken(reader).fate in ("read", "unit")
-
-
-def _finite(text: str) -> float | None:
-    try:
-        return float(text)
-    except ValueError:
-        return None
-
-
-_EXPAND: Final = "expand it first: xacro FILE > robot.urdf"
-_LAX: Final[dict[tuple[str, Form], tuple[Fate, Fate]]] = {
-    ("bullet", "mjcf"): ("dropped", "dropped"),
-    ("bullet", "urdf"): ("dropped", "dropped"),
-    ("bullet", "sdf"): ("dropped", "refused"),
-    ("urdfdom", "mjcf"): ("dropped", "dropped"),
-    ("urdfdom", "sdf"): ("refused", "refused"),
-    ("sdformat", "sdf"): ("refused", "dropped"),
-    ("drake", "mjcf"): ("refused", "refused"),
-    ("drake", "urdf"): ("refused", "refused"),
-    ("drake", "sdf"): ("refused", "dropped"),
-}
-"""Parsers, by format, that read a number as far as it goes, with what they make of a value that begins with none, and
-of an empty one; the others refuse the file, but for MuJoCo, to which an empty value is none. All were tried."""
-_ONE_NUMBER: Final = {("drake", "mjcf"), ("drake", "urdf")}
-"""Those of them that refuse a second number."""
-
-
-def _misread(word: Word, said: Sequence[str]) -> tuple[tuple[str, Taken], ...]:
-    """What parsers make of a value that is no number: most refuse the file, some read as far as they can."""
-    if word.form == "usd":
-        return tuple((one, Taken("dropped", "no number")) for one in word.cells)
-    if said and _finite(said[0]) is not None and not math.isfinite(float(said[0])):
-        return _not_finite(word, math.isinf(float(said[0])))
-    start = _NUMBER.match(said[0]) if said else None
-    number = 0.0 if start is None else float(start[0])
-    refused, zero = Taken("refused", "no number"), Taken("dropped", "read as 0, in silence")
-    found = {}
-    for one in table().of(word.form):
-        none, empty = _LAX.get((one.parser, word.form), ("refused", "dropped" if one.parser == "mujoco" else "refused"))
-        strict = (one.parser, word.form) not in _LAX
-        second = (one.parser, word.form) in _ONE_NUMBER and sum(map(_is_number, said)) > 1
-        fate = empty if not said else none if start is None else "refused" if strict or second else "read"
-        if fate == "refused":
-            found[one.name] = refused
-        elif word.taken(one.name).fate != "dropped":
-            found[one.name] = Taken("meaning", f"read as {number:g}, in silence") if number and fate == "read" else zero
-    return tuple(found.items())
-
-
-def _is_number(text: str) -> bool:
-    return _NUMBER.fullmatch(text) is not None
-
-
-_KEPT: Final = Taken("meaning", "loaded as it is, and the state is no longer finite")
-_STOPS: Final = Taken("meaning", "loaded as it is, and nothing moves")
-_REFUSES: Final = Taken("refused", "not finite")
-_NOT_FINITE: Final[dict[tuple[str, Form], tuple[Taken, Taken]]] = {
-    ("mujoco", "mjcf"): (_KEPT, _KEPT),
-    ("mujoco", "urdf"): (_KEPT, _KEPT),
-    ("bullet", "urdf"): (_KEPT, _KEPT),
-    ("bullet", "sdf"): (_KEPT, _KEPT),
-    ("urdfdom", "mjcf"): (Taken("dropped", "not a number"), _STOPS),
-    ("urdfdom", "urdf"): (_REFUSES, _REFUSES),
-    ("urdfdom", "sdf"): (Taken("dropped", "not a number"), _STOPS),
-    ("sdformat", "urdf"): (_REFUSES, _REFUSES),
-    ("rapier", "mjcf"): (Taken("dropped", "not a number"), _STOPS),
-    ("drake", "mjcf"): (_REFUSES, _REFUSES),
-    ("drake", "urdf"): (_REFUSES, _REFUSES),
-    ("drake", "sdf"): (_REFUSES, _REFUSES),
-}
-"""What parsers make of a damping that is nan, and of one that is inf. All were tried."""
-
-
-def _not_finite(word: Word, endless: bool) -> tuple[tuple[str, Taken], ...]:
-    untried = Taken("meaning", "not finite; what becomes of it was not tried")
-    found = {}
-    for one in table().of(word.form):
-        nan, inf = _NOT_FINITE.get((one.parser, word.form), (untried, untried))
-        taken = inf if endless else nan
-        if taken.fate == "refused" or word.taken(one.name).fate != "dropped":
-            found[one.name] = taken
-    return tuple(found.items())
-
-
 _ALIKE: Final[dict[Form, float]] = {"mjcf": 0.6, "urdf": 0.6, "sdf": 0.6, "usd": 0.8}
 """How like a name of the format one that is unknown has to be, so that it is meant; names of USD share their parts."""
 
@@ -379,24 +211,31 @@ def _stray(form: Form, node: Node, name: str, value: str, kind: Kind, element: b
         problem = f"is {other.form.upper()}, and unknown in {form.upper()}"
     else:
         problem = "is known to no reader"
-    right = usual is not None and value and _NUMBER.fullmatch(value)
+    right = usual is not None and value and NUMBER.fullmatch(value)
     fix = (
         _instead(form, kind, usual)
         if not right or usual is None
-        else f"write {usual.written(value, _place(node).partition(' ')[2])}"
+        else f"write {usual.written(value, place_of(node).partition(' ')[2])}"
     )
     if form == "usd" and (instance := _INSTANCE.search(name)) is not None:
         fix = fix.replace("*", instance[0])
-    refusing = {one.name for one in table().of(form) if form == "mjcf" and one.parser == "mujoco"}
+    cells = no_file(form) if form == "mjcf" else ()
     dynamics = node if node.tag == "dynamics" else node.parent
-    if dynamics is not None and dynamics.tag == "dynamics" and dynamics.way[-2] in ("joint", "axis"):
-        # URDF's parsers want one of the two, and Bullet's of SDF as well
-        has = set(dynamics.attributes) if form == "urdf" else {one.tag for one in dynamics.children}
-        wanting = ("urdfdom", "sdformat", "bullet") if form == "urdf" else ("bullet",)
-        if not {"damping", "friction"} & has:
-            refusing |= {one.name for one in table().of(form) if one.parser in wanting}
-    cells = tuple((one, Taken("refused", "the file is not loaded")) for one in sorted(refusing))
-    return Found(None, kind, name, value, _place(node), node.file, node.line, problem, fix, cells=cells)
+    cells += () if dynamics is None else _without_either(form, dynamics)
+    return Found(None, kind, name, value, place_of(node), node.file, node.line, problem, fix, cells=cells)
+
+
+def _without_either(form: Form, dynamics: Node) -> tuple[tuple[str, Taken], ...]:
+    """What parsers make of a <dynamics> with neither word: URDF's refuse it, Bullet's of SDF as well."""
+    if dynamics.tag != "dynamics" or dynamics.way[-2] not in ("joint", "axis"):
+        return ()
+    has = set(dynamics.attributes) if form == "urdf" else {one.tag for one in dynamics.children}
+    wanting = ("urdfdom", "sdformat", "bullet") if form == "urdf" else ("bullet",)
+    if {"damping", "friction"} & has:
+        return ()
+    return tuple(
+        (one.name, Taken("refused", "the file is not loaded")) for one in table().of(form) if one.parser in wanting
+    )
 
 
 def _article(form: Form) -> str:

@@ -53,6 +53,10 @@ class Defaults:
             if child.tag == "default":
                 self._gather(child, own)
 
+    def knows(self, name: str) -> bool:
+        """Whether a default is of this class."""
+        return name == self._main or name in self._classes
+
     def class_of(self, node: Node) -> str:
         """The class of an element: its own, else that of the nearest body or frame which gives one to all in it."""
         around = (one.attributes.get("childclass") for one in node.above() if one is not node and one.tag in _BODIES)

@@ -89,12 +89,12 @@ class Word:
         """The word where it belongs; of : the link or joint that it is of, where the word's element names it."""
         if self.form == "usd":
             return f"{self.name} = {value}"
-        around, outer, inner = (["", "", *self.at[0].split("/")])[-3:]
+        inner, *outer = reversed(self.at[0].split("/"))
         named = f'{inner} reference="{of}"' if inner == "gazebo" else inner
         own = f"<{named}><{self.name}>{value}</{self.name}></{inner}>" if self.element else ""
         own = own or f'<{inner} {self.name}="{value}"/>'
-        within = f"<{outer}>{f' of <{around}>' * bool(around)}"
-        return f"{own} in {within}" if outer not in ("", "body") else own
+        within = " of ".join(f"<{one}>" for one in outer)
+        return f"{own} in {within}" if within not in ("", "<body>") else own
 
 
 @dataclass(frozen=True, slots=True)
