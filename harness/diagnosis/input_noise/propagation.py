@@ -210,22 +210,33 @@ def _jumps(t: FloatArray, events: Events, placed: float) -> FloatArray:
     return found
 
 
+def _row(pull: float, drag: float, h: float, x: float, v: float) -> tuple[float, float]:
+    """By how much displacement and speed at first move x times the displacement and v times the speed after h (s)."""
+    found_x, found_v = x, v
+    for i in range(1, _SERIES + 1):
+        # the next power of the 2 x 2 system
+        x, v = -pull * v * (h / i), (x - drag * v) * (h / i)
+        found_x, found_v = found_x + x, found_v + v
+    return found_x, found_v
+
+
+_compiled_row = compiled(_row)
+
+
 def _step(pull: float, drag: float, push: float, h: float, begin: float, end: float, move: FloatArray) -> None:
     """Carry ``move`` (2, 4) on by h (s), while the force's noise goes from share ``begin`` of its way to ``end``."""
-    # powers of the 2 x 2 system, over h and half of it; the force's part by Simpson's rule
-    whole, half = np.eye(2), np.eye(2)
-    term_w, term_h = np.eye(2), np.eye(2)
-    a = np.array([[0.0, 1.0], [-pull, -drag]])
-    for i in range(1, _SERIES + 1):
-        term_w, term_h = term_w @ a * (h / i), term_h @ a * (0.5 * h / i)
-        whole, half = whole + term_w, half + term_h
+    x_x, x_v = _compiled_row(pull, drag, h, 1.0, 0.0)
+    v_x, v_v = _compiled_row(pull, drag, h, 0.0, 1.0)
+    for q in range(move.shape[1]):
+        x, v = move[0, q], move[1, q]
+        move[0, q], move[1, q] = x_x * x + x_v * v, v_x * x + v_v * v
+    # the force's part by Simpson's rule
     middle = 0.5 * (begin + end)
-    moved = whole @ move
     for r in range(2):
-        first, second, third = push * whole[r, 1], push * half[r, 1], push if r == 1 else 0.0
-        moved[r, 2] += h / 6.0 * (first * (1.0 - begin) + 4.0 * second * (1.0 - middle) + third * (1.0 - end))
-        moved[r, 3] += h / 6.0 * (first * begin + 4.0 * second * middle + third * end)
-    move[:] = moved
+        _, half = _compiled_row(pull, drag, 0.5 * h, 1.0 - r, float(r))
+        first, second, third = push * (v_v if r == 1 else x_v), push * half, push * r
+        move[r, 2] += h / 6.0 * (first * (1.0 - begin) + 4.0 * second * (1.0 - middle) + third * (1.0 - end))
+        move[r, 3] += h / 6.0 * (first * begin + 4.0 * second * middle + third * end)
 
 
 _compiled_step = compiled(_step)
@@ -256,7 +267,8 @@ def _all_moves(
             if e >= events.size or events[e] > t[i + 1]:
                 break
             if kind[e] == _REVERSAL:
-                move[1] *= share[e]
+                for q in range(move.shape[1]):
+                    move[1, q] *= share[e]
             elif kind[e] == _STICK:
                 slipping = False
             elif kind[e] == _BREAK_AWAY:
