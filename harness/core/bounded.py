@@ -42,10 +42,12 @@ def check_file(path: Path, where: str = "", accepted: str = "a file that can be 
 def _near(path: Path) -> str:
     """The end of a message with the file beside ``path`` whose name is nearest to its own."""
     try:
-        beside = [str(path.with_name(one.name)) for one in islice(os.scandir(path.parent), _MOST_BESIDE)]
+        beside = [one.name for one in islice(os.scandir(path.parent), _MOST_BESIDE) if one.is_file()]
     except (OSError, ValueError):
         return ""
-    return did_you_mean(str(path), beside)
+    # by names: of paths that have a long folder in common all are near
+    folder = str(path.with_name("_"))[:-1]
+    return did_you_mean(path.name, beside).replace("mean ", f"mean {folder}", 1)
 
 
 def check_size(path: Path, most: int) -> None:

@@ -306,7 +306,8 @@ def _said(value: Any) -> str:
 
 def _body(path: Path, model: Any, name: str | None) -> int:
     """Number of a body. Raises InputError, with a line to try, for one that is not there or that cannot move."""
-    moving = [i for i in range(1, model.nbody) if model.body_weldid[i] != 0 and model.body(i).name]
+    held = {i for i in range(1, model.nbody) if model.body_weldid[i] == 0 or model.body_mocapid[i] >= 0}
+    moving = [i for i in range(1, model.nbody) if i not in held and model.body(i).name]
     names = [str(model.body(i).name) for i in moving]
     free = [i for i in moving if model.body_dofnum[i] == 6]
     if not names:

@@ -20,6 +20,7 @@ from harness.results import generate
 RESTS = 1e-5
 """m/s."""
 ELLIPTIC = 'cone="elliptic"'
+FINGER = '<worldbody><body name="finger" mocap="true" pos="9 9 9"><geom size=".1"/></body>'
 MESH = '<asset><mesh name="m" file="no.stl"/></asset><worldbody>'
 
 
@@ -234,6 +235,7 @@ def test_the_result_is_valid_and_its_page_is_made_again_from_the_trace(tmp_path:
     ("text", "body", "says"),
     [
         (pinch(), "hold", "left, right, held. Try: --body held"),
+        (slope().replace("<worldbody>", FINGER), "finger", "has block. Try: --body block"),
         (slope().replace("<freejoint/>", "<joint/>"), None, "block. Try: --body block"),
         ("<mujoco><worldbody><body/></worldbody></mujoco>", None, "no body with a name that moves"),
         ('<robot name="r"><link name="l"/></robot>', "l", "harness run --robot"),
