@@ -72,6 +72,22 @@ def test_what_is_driven_along_a_road_does_not_run_down_because_it_slows_at_the_e
     assert classify(noisy("v", pushed)).kind == "run-down"
 
 
+def test_a_wheel_that_is_spun_up_again_and_again_runs_down_as_often() -> None:
+    t = np.arange(0.0, 160.0, 0.05)
+    since = t % 40.0
+    fallen = np.maximum((28.0 + 30.0) * np.exp(-(since - 5.0) / 50.0) - 30.0, 0.0)  # v' = -(v + 30) / 50
+    v = np.where(since < 5.0, 28.0 * since / 5.0, fallen) + 0.05 * np.random.default_rng(8).standard_normal(t.size)
+    wheel = Recording(t, {"v": v}, "wheel.csv")
+    found = classify(wheel)
+    assert (found.kind, len(found.spans)) == ("run-down", 4)
+    np.testing.assert_allclose([low % 40.0 for low, _ in found.spans], 5.0, atol=1.0)
+    part, notes = found.part(wheel)
+    assert part.t[-1] - part.t[0] < 40.0
+    assert "4 run-downs were found" in notes[0]
+    stop_and_go = 14.0 * np.clip(np.sin(2.0 * np.pi * t / 40.0), 0.0, None)
+    assert classify(Recording(t, {"v": stop_and_go + v * 1e-3}, "town.csv")).kind != "run-down"
+
+
 def test_a_motor_that_is_switched_goes_from_speed_to_speed() -> None:
     levels = np.array([0.0, 11.0, 4.0, 9.0])
     at = np.minimum((T // 5.0).astype(int), 3)

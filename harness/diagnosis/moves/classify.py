@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from harness.core.recording import Recording
-from harness.diagnosis.moves.falling import creeps, falls, rises
+from harness.diagnosis.moves.falling import creeps, falls, falls_again, rises
 from harness.diagnosis.moves.kinds import MotionKind, Moves
 from harness.diagnosis.moves.places import Places, relaxes, steady
 from harness.diagnosis.moves.series import Series
@@ -36,14 +36,8 @@ def classify(recording: Recording, restoring: Restoring | None = None) -> Moves:
     if "u" in recording and np.any(recording["u"] != 0.0):
         return _forced(series, name)
     free = restoring in (None, Restoring.NONE) and name != "a"
-    if free and (span := falls(recording)) is not None:
-        part, told = slice(*span), "v" in recording or restoring is not None or _turns(recording)
-        if not told and creeps(recording.t[part], recording["x"][part]):
-            return Moves(MotionKind.NOT_MECHANICAL, f"no dry friction stops what creeps to a level{_OR_NOT}")
-        ends = float(recording.t[span[0]]), float(recording.t[span[1] - 1])
-        return Moves(MotionKind.RUN_DOWN, "its speed keeps one sign and falls", (ends,))
-    if free and rises(recording):
-        return Moves(MotionKind.SPIN_UP, "its speed keeps one sign and rises")
+    if free and (found := _one_way(recording, told="v" in recording or restoring is not None)) is not None:
+        return found
     stays = {"x": _placed, "v": _levels}.get(name)
     return (
         _unsmooth(series)
@@ -51,6 +45,20 @@ def classify(recording: Recording, restoring: Restoring | None = None) -> Moves:
         or (None if stays is None else stays(series, free))
         or _swung(series)
     )
+
+
+def _one_way(recording: Recording, told: bool) -> Moves | None:
+    """What goes one way, slower and slower or faster and faster. told : whether it is no drift of a sensor for sure."""
+    if spans := falls_again(recording):
+        each = tuple((float(recording.t[first]), float(recording.t[last - 1])) for first, last in spans)
+        return Moves(MotionKind.RUN_DOWN, f"{len(each)} times brought to speed and let go", each)
+    if (span := falls(recording)) is not None:
+        part = slice(*span)
+        if not (told or _turns(recording)) and creeps(recording.t[part], recording["x"][part]):
+            return Moves(MotionKind.NOT_MECHANICAL, f"no dry friction stops what creeps to a level{_OR_NOT}")
+        ends = float(recording.t[span[0]]), float(recording.t[span[1] - 1])
+        return Moves(MotionKind.RUN_DOWN, "its speed keeps one sign and falls", (ends,))
+    return Moves(MotionKind.SPIN_UP, "its speed keeps one sign and rises") if rises(recording) else None
 
 
 _FREE = (MotionKind.FREE_DECAY, MotionKind.SEVERAL_DECAYS, MotionKind.RUN_DOWN)

@@ -29,6 +29,8 @@ _AGAINST, _NEARLY, _LONGER = 0.2, 0.1, 1.3
 and slows; how much longer the one lasts than the other."""
 _SHORTEST = 4
 """Windows that it takes to slow, at least."""
+_SLOW, _MOST_OF_IT = 0.25, 0.5
+"""Of the fastest speed, nearly rest; share of the time that several run-downs of one file take."""
 _FINE, _SURE = 256, 0.02
 """Windows in which the beginning and the stop are looked for; fewer until errors are so much of the fastest speed."""
 
@@ -90,6 +92,42 @@ def falls(recording: Recording) -> tuple[int, int] | None:
     back = float(np.sum(np.maximum(change - _CLEAR * noise, 0.0)))
     once = whole.lost_before(float(recording.t[begin])) <= lost
     return (begin, end) if fell and one_way and back <= _BACK * lost and whole.let_go and once else None
+
+
+def falls_again(recording: Recording) -> tuple[tuple[int, int], ...]:
+    """As ``falls`` of each run-down of a wheel that was brought to speed several times and let go; () for any other.
+
+    What is driven along a road slows again and again, too: here each slows nearly to rest, for longer than it was
+    brought to speed, and they take most of the time.
+    """
+    v = recording["v"] if "v" in recording else np.zeros(0)
+    if v.size < 2 * MINIMUM_SAMPLES:
+        return ()
+    speed = v * np.sign(v[np.argmax(np.abs(v))])
+    most = float(np.max(speed))
+    starts = _brought_to_speed(speed, most)
+    found: list[tuple[int, int]] = []
+    for begin, end in zip(starts, [*starts[1:], v.size], strict=True):
+        rows = np.arange(v.size)
+        span = falls(recording.cut((rows >= begin) & (rows < end))) if end - begin >= MINIMUM_SAMPLES else None
+        if span is not None and float(np.min(speed[begin + span[0] : begin + span[1]])) < _SLOW * most:
+            found.append((begin + span[0], begin + span[1]))
+    lasts = sum(float(recording.t[last - 1] - recording.t[first]) for first, last in found)
+    most_of_it = lasts > _MOST_OF_IT * float(recording.t[-1] - recording.t[0])
+    return tuple(found) if len(found) > 1 and most_of_it else ()
+
+
+def _brought_to_speed(speed: FloatArray, most: float) -> list[int]:
+    """First samples of the parts of speeds (n,) that go from nearly rest to more than half of the fastest."""
+    slow = speed < _SLOW * most
+    sure = np.flatnonzero(slow | (speed > 0.5 * most))
+    turns = np.flatnonzero(np.diff(slow[sure].astype(np.int8)))
+    begun, starts = 0, [0]
+    for at in turns.tolist():
+        if slow[sure[at]]:  # from nearly rest to fast: it began where it was slowest
+            starts.append(int(begun + np.argmin(speed[begun : sure[at] + 1])))
+        begun = int(sure[at + 1])
+    return sorted({*starts})
 
 
 def _ends(seen: _Falling, t: FloatArray) -> tuple[int, int]:

@@ -40,7 +40,7 @@ Span = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class Moves:
-    """reason : what was seen, in a line. spans : of the decays, or of the run-down, s. forced : its force is known."""
+    """reason : what was seen, in a line. spans : of the decays, or of the run-downs, s. forced : its force is known."""
 
     kind: MotionKind
     reason: str
@@ -58,23 +58,31 @@ class Moves:
             found = f"no motion that shows friction ({self.kind}: {self.reason})"
             raise InputError(file, found, f"another recording, as {self.wanted}")
 
+    @property
+    def several(self) -> bool:
+        """Whether it holds several decays or run-downs, each of which is a recording."""
+        return len(self.spans) > 1 and self.kind in (MotionKind.SEVERAL_DECAYS, MotionKind.RUN_DOWN)
+
     def part(self, recording: Recording) -> tuple[Recording, tuple[str, ...]]:
-        """The largest of several decays by itself, and a sentence on the others; else the recording."""
-        if self.kind is not MotionKind.SEVERAL_DECAYS:
+        """The largest of several decays, or the longest of several run-downs, by itself, and a sentence on the others;
+        else the recording.
+        """
+        if not self.several:
             return recording, ()
         each = decays_of(recording, self)
-        name = next(c for c in CHANNELS if c in recording)
-        largest = max(each, key=lambda one: float(np.ptp(one[name])))
+        name, runs = next(c for c in CHANNELS if c in recording), self.kind is MotionKind.RUN_DOWN
+        most = max(each, key=lambda one: float(one.t[-1] - one.t[0] if runs else np.ptp(one[name])))
         note = (
-            f"{len(each)} decays were found, and that from {largest.t[0]:.4g} to {largest.t[-1]:.4g} s is looked at"
-            " (--from and --to take another, --together all)"
+            f"{len(each)} {'run-downs' if runs else 'decays'} were found, and that from {most.t[0]:.4g} to"
+            f" {most.t[-1]:.4g} s is looked at (--from and --to take another, --together all)"
         )
-        return largest, (note,)
+        return most, (note,)
 
 
 def decays_of(recording: Recording, moves: Moves) -> list[Recording]:
-    """Each of several decays as a recording; the recording itself where there are not several."""
-    if moves.kind is not MotionKind.SEVERAL_DECAYS:
+    """Each of several decays or run-downs as a recording; the recording itself where there are not several."""
+    if not moves.several:
         return [recording]
     parts = [recording.cut((recording.t >= low) & (recording.t <= high)) for low, high in moves.spans]
-    return [replace(one, file=f"{one.file} decay {number}") for number, one in enumerate(parts, 1)]
+    word = "run-down" if moves.kind is MotionKind.RUN_DOWN else "decay"
+    return [replace(one, file=f"{one.file} {word} {number}") for number, one in enumerate(parts, 1)]
