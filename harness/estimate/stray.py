@@ -189,8 +189,12 @@ def _strays(t: FloatArray, y: FloatArray, gap: float, nearest: float) -> FloatAr
         if abs(y[begin] - 2.0 * y[begin - 1] + y[begin - 2]) >= 0.5 * nearest:
             for end in range(begin + 1, min(begin + _LONGEST, y.size - _BESIDE) + 1):
                 beyond = max(nearest, _CLEAR * beside_cubic(t, y, begin, end, gap, off, least))
-                if np.all(np.abs(off[begin:end]) > beyond):
-                    out[begin:end] = off[begin:end]
+                strays = True
+                for i in range(begin, end):
+                    strays = strays and abs(off[i]) > beyond
+                if strays:
+                    for i in range(begin, end):
+                        out[i] = off[i]
                     after = end
         begin = after
     return out

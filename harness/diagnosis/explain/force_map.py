@@ -64,6 +64,7 @@ def _smooth(  # noqa: PLR0912, PLR0915  (one loop is one loop)
 
     Writes f and its variance, returns -2 log-likelihood. keep : smooth too.
     """
+    # entry by entry: of slices the sentences of their errors are compiled too, for seconds
     n = t.size
     count = n if keep else 1
     means, covs = np.zeros((count, 3)), np.zeros((count, 3, 3))
@@ -85,7 +86,8 @@ def _smooth(  # noqa: PLR0912, PLR0915  (one loop is one loop)
             a[1, 2] = -dt + 0.5 * damping * dt * dt
             a[2, 0], a[2, 1], a[2, 2] = 0.0, 0.0, 1.0
             at(a, m, moved)
-            m[:] = moved
+            for i in range(3):
+                m[i] = moved[i]
             times(a, p, part)
             times_turned(part, a, p)
             p[2, 2] += wander * dt
@@ -98,7 +100,10 @@ def _smooth(  # noqa: PLR0912, PLR0915  (one loop is one loop)
                     p[i, 2], p[2, i] = 0.0, 0.0
                 p[2, 2] = start[2]
         if keep:
-            before[k, :], before_p[k, :, :], moves[k, :, :] = m, p, a
+            for i in range(3):
+                before[k, i] = m[i]
+                for j in range(3):
+                    before_p[k, i, j], moves[k, i, j] = p[i, j], a[i, j]
         for c in range(3):
             if math.isinf(variance[c]) or stuck[k]:
                 continue
@@ -118,15 +123,22 @@ def _smooth(  # noqa: PLR0912, PLR0915  (one loop is one loop)
                 for j in range(3):
                     p[i, j] -= ph[i] / s * ph[j]
         if keep:
-            means[k, :], covs[k, :, :] = m, p
+            for i in range(3):
+                means[k, i] = m[i]
+                for j in range(3):
+                    covs[k, i, j] = p[i, j]
     if keep:
         force[n - 1], spread[n - 1] = m[2], p[2, 2]
         for k in range(n - 2, -1, -1):
             if stuck[k + 1]:
-                m[:], p[:, :] = means[k], covs[k]
-            else:
-                ahead[:, :] = before_p[k + 1]
                 for i in range(3):
+                    m[i] = means[k, i]
+                    for j in range(3):
+                        p[i, j] = covs[k, i, j]
+            else:
+                for i in range(3):
+                    for j in range(3):
+                        ahead[i, j] = before_p[k + 1, i, j]
                     ahead[i, i] *= 1.0 + 1e-12
                 times_turned(covs[k], moves[k + 1], part)
                 over(part, ahead, whole)
