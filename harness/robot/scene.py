@@ -195,6 +195,7 @@ class _Scene:
         self.body = _body(path, self.model, body)
         self.options = options_of(self.model)
         self.base: Options = {}
+        self.runs: dict[tuple[tuple[str, Any], ...], Seen] = {}
         self.keyframe = 0 if self.model.nkey else -1
         if self.model.nkey > 1:
             others = ", ".join(repr(self.model.key(i).name) for i in range(1, self.model.nkey))
@@ -203,8 +204,18 @@ class _Scene:
         hardest = with_options(self.model, {**_ELLIPTIC, "impratio": _HARDER[2]})
         self.watch = watch_of(hardest, self.body, self.keyframe, duration)
 
+    def _changed(self, changed: Options) -> Any:
+        return with_options(self.model, {**self.base, **changed})
+
+    def _key(self, changed: Options) -> tuple[tuple[str, Any], ...]:
+        return tuple(options_of(self._changed(changed)).items())
+
     def run(self, changed: Options) -> Seen:
-        return watched(with_options(self.model, {**self.base, **changed}), self.watch)
+        """With these options changed; what dry friction is read from is not run again as a change to try."""
+        key = self._key(changed)
+        if key not in self.runs:
+            self.runs[key] = watched(self._changed(changed), self.watch)
+        return self.runs[key]
 
     def found(self) -> Found:
         seen = self.run({})
@@ -276,16 +287,18 @@ class _Scene:
     def _mended(self, own: Moved, expected: Moved, rests: bool) -> tuple[list[Tried], Tried | None]:
         """What was tried, and the least change that mends it; else that which comes nearest, where it helps."""
         tried: list[Tried] = []
-        duration = self.watch.duration
+        duration, late = self.watch.duration, False
         first: list[dict[str, Any]] = [{}] if self.base else []
         for changed in first + _changes({**self.options, **self.base}):
-            if time.process_time() - self.began > _BUDGET:
-                self.notes.append(f"after {_BUDGET:.0f} s of a processor no further options were tried")
-                break
+            if time.process_time() - self.began > _BUDGET and self._key(changed) not in self.runs:
+                late = True
+                continue
             moved = Moved.of(self.run(changed))
             tried.append(Tried({**self.base, **changed}, moved, not _moved(moved, expected, rests, duration)))
             if tried[-1].mends:
                 return tried, tried[-1]
+        if late:
+            self.notes.append(f"after {_BUDGET:.0f} s of a processor no further options were tried")
         sound = [one for one in tried if not one.moved.failed]
         off = [_distance(one, expected, rests, duration) for one in (own, *(one.moved for one in sound))]
         helps = len(off) > 1 and min(off[1:]) < 0.5 * off[0]
