@@ -382,3 +382,9 @@ def test_counts_that_are_stamped_as_they_change_lie_half_way_between(tmp_path: P
     even = np.arange(0.0, 20.0, 0.01)  # by a clock, a count may well repeat
     clocked = read_recording(written(tmp_path / "even.csv", "t,angle", even, np.round(X[0] + even / step) * step))
     assert not any("count that changed" in said for said in clocked.mended)
+
+
+def test_a_blank_second_line_is_no_fault(tmp_path: Path) -> None:
+    """A title alone above blank cells is how a file of Tracker begins."""
+    (tmp_path / "a.txt").write_text("sensor\n\t\t\n\n" + "".join(f"{t},{x:.6f}\n" for t, x in zip(T, X, strict=True)))
+    np.testing.assert_allclose(read_recording(tmp_path / "a.txt")["x"], X, atol=1e-6)

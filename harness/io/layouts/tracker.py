@@ -11,7 +11,7 @@ def _find(lines: Sequence[str], name: str) -> Head | None:
         return None
     separator, decimal = separator_of([lines[1], lines[2].strip()])
     fields = [cell.strip() for cell in (lines[1].split(separator) if separator else lines[1].split())]
-    if fields[0] != "t" or not {"x", "y"} & set(fields):
+    if fields[:1] != ["t"] or not {"x", "y"} & set(fields):
         return None
     return Head(first=2, fields=tuple(fields), separator=separator, decimal=decimal, own=False)
 
