@@ -30,6 +30,14 @@ class Memory:
         return self.independent < ENOUGH
 
 
+def lagged(series: FloatArray, size: int) -> FloatArray:
+    """Sums of products of a series (n,) with itself some values later, (size,), for each lag from none on.
+
+    size : lags, at least n. Over as many values more that are none, so that the end does not meet the beginning.
+    """
+    return np.fft.irfft(np.abs(np.fft.rfft(series, 2 * size)) ** 2)[:size]
+
+
 def memory(series: FloatArray, longest: int | None = None, begins: tuple[int, ...] = ()) -> Memory:
     """Memory of a series (n,) of mean zero: pairs of lags are summed up to the first without any (Geyer 1992).
 
@@ -38,11 +46,11 @@ def memory(series: FloatArray, longest: int | None = None, begins: tuple[int, ..
     """
     size = series.size
     apart = np.split(series, begins) if begins else [series]
-    spectrum = sum(np.abs(np.fft.rfft(own, 2 * size)) ** 2 for own in apart)
-    lagged = np.fft.irfft(spectrum)[: max(int(_LONGEST * size) if longest is None else longest + 1, 2)]
-    if lagged[0] <= 0.0:
+    products = np.asarray(sum(lagged(own, size) for own in apart))
+    products = products[: max(int(_LONGEST * size) if longest is None else longest + 1, 2)]
+    if products[0] <= 0.0:
         return Memory(1.0, size)
-    share = lagged / lagged[0]
+    share = products / products[0]
     # in pairs, as a noisy correlation swings about zero
     pairs = share[1 : 2 * ((share.size - 1) // 2) + 1].reshape(-1, 2).sum(axis=1)
     ends = np.flatnonzero(pairs <= 0.0)

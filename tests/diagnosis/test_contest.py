@@ -1,6 +1,6 @@
 """How likely a name is the main effect: what it hangs on, what it comes to, and whence its weights."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import cast
@@ -11,10 +11,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from benchmarks.calibrate.posterior import Row, fitted, said
+from harness.core.arrays import FloatArray
 from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.grading.clocks import beat
 from harness.diagnosis.grading.contest import Contest, Finalist, answered, shown_as_part, softmax
 from harness.diagnosis.grading.prediction import Predicted
 from harness.diagnosis.outcome import Grade
+from harness.diagnosis.problem import Problem
 from harness.diagnosis.rules import (
     FORCE_POSTERIOR,
     LISTED_FROM,
@@ -132,3 +135,25 @@ def test_a_law_that_stands_out_is_a_part_beside_an_unexplained_rest() -> None:
     assert largest(0.6, 0.2, [0.1] * 7 + [1.01]) is Grade.MINOR, "a stretch is missed more"
     assert largest(0.1, 0.02, better) is Grade.MINOR, "little of the misfit"
     assert largest(0.6, 0.2, [0.5] * 3) is Grade.MINOR, "few stretches fall by chance"
+
+
+@pytest.mark.parametrize(
+    ("moved", "period"),
+    [
+        (lambda t: np.sin(2.0 * np.pi * t / 1.5), 1.5),
+        # a stroke and back in 3 s, of which the half is a motion the other way
+        (lambda t: np.sign(np.sin(2.0 * np.pi * t / 3.0)) * np.abs(np.sin(2.0 * np.pi * t / 1.5)), 3.0),
+        # a chirp repeats nothing
+        (lambda t: np.sin(2.0 * np.pi * (0.2 + 0.1 * t) * t), None),
+    ],
+    ids=["sine", "to and fro", "chirp"],
+)
+def test_a_driven_motion_has_a_clock_where_it_repeats_itself(
+    moved: Callable[[FloatArray], FloatArray], period: float | None
+) -> None:
+    t = np.linspace(0.0, 30.0, 3001)
+    base = cast(Fit, SimpleNamespace(shown=SimpleNamespace(v=moved(t))))
+    problem = cast(Problem, SimpleNamespace(t=t, drive=object()))
+    about = 2.0 * np.pi / (period or 1.0)
+    expected = 0.0 if period is None else 2.0 * np.pi / period
+    assert beat(base, problem, about) == pytest.approx(expected, rel=0.02)

@@ -6,7 +6,7 @@ from scipy.signal import lfilter
 
 from harness.core.arrays import FloatArray
 from harness.estimate.noise import Noise
-from harness.fit.autocorrelation import memory
+from harness.fit.autocorrelation import lagged, memory
 
 
 def coloured(phi: float, size: int, seed: int = 2) -> FloatArray:
@@ -37,3 +37,10 @@ def test_whitened_noise_is_white_and_of_unit_size(phi: float) -> None:
     assert float(white[1:] @ white[:-1]) / white.size == pytest.approx(0.0, abs=0.02)
     columns = np.column_stack([white, 2.0 * white])
     assert noise.whitened(columns)[:, 1] == pytest.approx(2.0 * noise.whitened(white))
+
+
+def test_lags_are_sums_of_products_without_the_end_meeting_the_beginning() -> None:
+    series = coloured(0.5, 40)
+    direct = [float(series[: 40 - lag] @ series[lag:]) for lag in range(40)]
+    assert lagged(series, 40) == pytest.approx(direct, abs=1e-12)
+    assert lagged(series, 60)[40:] == pytest.approx(0.0, abs=1e-12)

@@ -11,6 +11,7 @@ import numpy as np
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.rules import BEAT, SAME_CLOCK
+from harness.fit.autocorrelation import lagged
 from harness.model.model import ModelTerm
 from harness.model.term import Slot
 
@@ -18,10 +19,10 @@ _RESONATOR, _DAMPED = "omega_2", "zeta_2"
 """Of a mass that rides on the slider: its frequency, and its damping, half its band over that."""
 _MULTIPLES = range(5)
 """Of the motion's frequency; the first is none, which a clock slower than the recording cannot be told from."""
-
-
-_LONGEST = 2.0
-"""Times a motion's period within which it repeats itself, if it does."""
+_SOONEST, _LATEST = 0.5, 2.0
+"""Times a motion's period between which it repeats itself, if it does."""
+_NOTHING = 1e-300
+"""(m/s)^2, of a motion that never moves."""
 
 
 def beat(base: Fit, problem: Problem, omega: float) -> float:
@@ -33,14 +34,12 @@ def beat(base: Fit, problem: Problem, omega: float) -> float:
         return omega
     t = np.linspace(problem.t[0], problem.t[-1], problem.t.size)
     v = np.interp(t, problem.t, base.shown.v)
-    # over as many samples again that are none, so that the end does not meet the beginning
-    power = np.abs(np.fft.rfft(v, 2 * v.size)) ** 2
-    alike = np.fft.irfft(power)[: v.size]
     square = np.cumsum(v**2)
+    # of what is behind a lag, and of what is before it
     both = square[::-1] + square[-1] - np.concatenate(([0.0], square[:-1]))
-    alike *= 2.0 / np.maximum(both, 1e-300)
+    alike = 2.0 * lagged(v, v.size) / np.maximum(both, _NOTHING)
     period = 2.0 * math.pi / omega / float(t[1] - t[0])
-    near = slice(int(0.5 * period), min(int(_LONGEST * period), v.size // 2) + 1)
+    near = slice(max(int(_SOONEST * period), 1), min(int(_LATEST * period), v.size // 2) + 1)
     if alike[near].size == 0:
         return omega
     most = near.start + int(np.argmax(alike[near]))

@@ -19,7 +19,7 @@ from harness.results.diagnosis import (
 )
 from harness.results.fleet import FleetResult
 from harness.show import blocks as b
-from harness.show.numbers import NONE, SHOWN, number, quantity
+from harness.show.numbers import NONE, SHOWN, number, quantity, systematic
 from harness.show.report.damping import damping_section
 from harness.show.report.diagnosis_figures import Curves, evidence, left, model_names, nameless, probabilities, shares
 from harness.show.report.identify import samples_of
@@ -329,7 +329,11 @@ def _numbers(result: DiagnosisResult) -> b.Section:
             values = [shown(one.get(c)) for one in (held.baseline_rmse, held.refined_rmse)]
             row(f"rmse of {c}, held out", unit, values, last)
     columns = [b.Column(name, str) for name in (*names, "noise")]
-    caption = "Below each value: one standard error, and a larger systematic one."
+    told = [p for fit in fits for p in fit.parameters.values()] + [
+        p for one in result.mechanisms if one.name in in_it for p in one.parameters.values()
+    ]
+    shifted = any(systematic(p) for p in told)
+    caption = f"Below each value: one standard error{', and a larger systematic one' if shifted else ''}."
     return b.Section(
         "Model and numbers",
         [b.Table("", columns, rows, caption, "", reasons.footnotes), *([_held_out(result)] if held.spans_s else [])],
