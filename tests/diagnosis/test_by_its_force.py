@@ -28,9 +28,7 @@ from harness.diagnosis.rules import FOLLOWED
 from harness.kernels.solve import Drive, solve
 from harness.model.model import Model, ModelTerm, Restoring
 
-NOTE = (
-    "followed, the base model misses more than half of the motion and no law explains it: the force is fitted instead"
-)
+NOTE = "followed, the base model misses far more than the noise and no law explains it: the force is fitted instead"
 NAMED = ModelTerm.named
 
 

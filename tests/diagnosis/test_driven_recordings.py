@@ -17,7 +17,8 @@ from harness.diagnosis.inverse_dynamics.protocol import DIRECTED, PUBLISHED, SYM
 from harness.diagnosis.inverse_dynamics.search import force_baseline
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.parameters import free_of
-from harness.diagnosis.pipeline import prepare
+from harness.diagnosis.pipeline import diagnose, prepare
+from harness.diagnosis.prepare.driven import forced_problem
 from harness.diagnosis.problems.driven import Driven
 from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.problems.simulated import observe
@@ -83,9 +84,8 @@ def test_force_is_fitted_over_windows_within_errors_that_allow_for_colour() -> N
     u = 6.0 * np.sin(3.1 * t) + 4.0 * np.sin(7.3 * t + 1.1) + 3.0 * np.sin(14.0 * t + 2.0)
     x = solve(TRUTH, t, drive=Drive(t, u + unseen)).x
     recording = Recording(t, {"x": x + 1e-7 * draw.standard_normal(t.size), "u": u})
-    problem, notes = prepare(recording, Asked(Restoring.NONE))
+    problem, notes = forced_problem(recording, Asked(Restoring.NONE))
     assert "windows of at most 1 s" in notes[0]
-    assert isinstance(problem, InverseDynamics)
     found = fit(problem.first, problem, free_of(problem.first, problem.base_names))
     errors = np.sqrt(np.diag(found.covariance()))
     assert np.all(np.abs(found.model.m - 2.0) < 4.0 * errors[0])
@@ -102,8 +102,7 @@ def test_ripple_of_a_fast_axis_is_found_over_its_travel() -> None:
 
 def test_direction_dependent_friction_beats_the_base_and_has_its_value() -> None:
     truth = replace(TRUTH, terms=(ModelTerm.named("asymmetric-viscous", c_diff=0.6),))
-    problem, _ = prepare(driven(truth), Asked(Restoring.NONE))
-    assert isinstance(problem, InverseDynamics)
+    problem, _ = forced_problem(driven(truth), Asked(Restoring.NONE))
     found, scales = force_baseline(problem)
     model = replace(found.model, terms=(ModelTerm.named("asymmetric-viscous", c_diff=0.0),))
     better = fit(model, problem, free_of(model, problem.base_names), scales)
@@ -111,6 +110,28 @@ def test_direction_dependent_friction_beats_the_base_and_has_its_value() -> None
     better, before = fit(better.model, problem, better.free, scales), under(found, problem)
     assert before.bic - better.bic > 1000.0
     assert better.model.terms[0].values[0] == pytest.approx(0.6, rel=0.02)
+
+
+def test_an_axis_is_followed_however_fine_its_encoder_is() -> None:
+    """By its force, which a controller holds, the base model's c would be as uncertain as all of c_diff."""
+    truth = replace(TRUTH, terms=(ModelTerm.named("asymmetric-viscous", c_diff=0.02),))
+    draw, t = np.random.default_rng(3), np.arange(3000) / 500.0
+    u = 6.0 * np.sin(3.1 * t + 0.3) + 4.0 * np.sin(7.3 * t + 1.1) + 3.0 * np.sin(14.0 * t + 2.0)
+    x = solve(truth, t, drive=Drive(t, u, held=True)).x
+    count = float(np.ptp(x)) / 2e5
+    seen = Recording(t, {"x": count * np.round(x / count), "u": u + 1e-3 * draw.standard_normal(t.size)})
+    problem, _ = prepare(seen, Asked(Restoring.NONE))
+    assert isinstance(problem, Driven)
+    outcome = diagnose(problem)
+    assert [m.name for m in outcome.mechanisms] == ["asymmetric-viscous"]
+    (found,) = outcome.mechanisms[0].parameters.values()
+    assert found.value == pytest.approx(0.02, abs=3.0 * (found.stderr or 0.0))
+    assert found.stderr is not None
+    assert found.stderr < 1e-3
+    for name, value in (("mass", 2.0), ("c", 3.0), ("f_k", 1.5)):
+        told = outcome.refined_parameters[name]
+        assert told.value == pytest.approx(value, abs=3.0 * (told.stderr or 0.0))
+        assert told.value == pytest.approx(value, rel=1e-3)
 
 
 @pytest.mark.parametrize(

@@ -16,8 +16,8 @@ from harness.diagnosis.grading.prediction import Predicted, surely_less
 from harness.diagnosis.inverse_dynamics import holdout as windows
 from harness.diagnosis.motion import Motion, motion_of
 from harness.diagnosis.pipeline import diagnose, explain, fit_base, judge, prepare, search
+from harness.diagnosis.prepare.driven import forced_problem
 from harness.diagnosis.problems.free_decay import FreeDecay
-from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.lack_of_fit import lack_of_fit
 from harness.diagnosis.rules import LAW_KNOWN
@@ -205,8 +205,8 @@ def test_a_fitted_force_without_its_held_out_windows(monkeypatch: pytest.MonkeyP
     u = 6.0 * np.sin(3.1 * t) + 4.0 * np.sin(7.3 * t + 1.1) + 3.0 * np.sin(14.0 * t + 2.0)
     truth = Model(2.0, 3.0, 0.0, 1.5, restoring=Restoring.NONE)
     x = solve(truth, t, drive=Drive(t, u + unseen)).x + 1e-7 * draw.standard_normal(t.size)
-    problem, _ = prepare(Recording(t, {"x": x, "u": u}), Asked(Restoring.NONE))
-    assert isinstance(problem, InverseDynamics)
+    # followed, no law explains it
+    problem, _ = forced_problem(Recording(t, {"x": x, "u": u}), Asked(Restoring.NONE))
     judged = judge(search(fit_base(problem)))
     whole = explain(judged)
     assert whole.holdout.spans

@@ -6,7 +6,7 @@ from scipy.signal import lfilter
 
 from harness.core.arrays import FloatArray
 from harness.estimate.every import METHODS, estimate_all
-from harness.estimate.noise import FLOOR, channel_noise, quantisation_step, white_at_most, with_colour
+from harness.estimate.noise import FLOOR, channel_noise, fine_noise, quantisation_step, white_at_most, with_colour
 from harness.estimate.repeated import repeated
 from harness.exact.decay import Decay, free_decay
 
@@ -146,3 +146,21 @@ def test_a_motion_is_no_colour() -> None:
     fast = np.sin(150.0 * T) + 1e-5 * _coloured(0.0, 1.0)
     white = channel_noise(T, fast)
     assert with_colour(T, fast, white) == white
+
+
+@pytest.mark.parametrize("counts", [2e3, 2e4, 2e5])
+def test_an_encoder_has_the_noise_of_its_counts(counts: float) -> None:
+    # of which 2e5 over the way are below a hundred thousandth of its rms
+    smooth = np.sin(2.0 * np.pi * 0.7 * T) + 0.4 * np.sin(2.0 * np.pi * 1.9 * T + 0.3)
+    count = np.ptp(smooth) / counts
+    noise = fine_noise(T, np.floor(smooth / count + 0.5) * count)
+    assert noise.found
+    # the less of two medians over 500 windows
+    assert noise.sigma == pytest.approx(count / np.sqrt(12.0), rel=0.2)
+
+
+@pytest.mark.parametrize("rate", [0.7, 7.0, 30.0])
+def test_a_clean_signal_has_no_fine_noise(rate: float) -> None:
+    noise = fine_noise(T, np.sin(2.0 * np.pi * rate * T))
+    assert not noise.found
+    assert noise.sigma == pytest.approx(FLOOR * np.sqrt(0.5), rel=0.01)

@@ -108,11 +108,13 @@ def _steady(white: FloatArray) -> bool:
     return bool(_STRETCHES * chdtrc(width, strongest) > STEADY.value)
 
 
-def residual_noise(t: FloatArray, residual: FloatArray, channel: FloatArray, period: float) -> Noise:
+def residual_noise(
+    t: FloatArray, residual: FloatArray, channel: FloatArray, period: float, told: Noise | None = None
+) -> Noise:
     """Noise of a channel (n,) from the residual (n,) of a model that follows its large motion.
 
     t : s. period : of the motion, s. Windows in which the model misses a jump are outvoted. Never below the
-    quantisation's step^2/12, nor 1e-5 of the channel's rms.
+    quantisation's step^2/12, nor 1e-5 of the channel's rms, unless less was told of the channel itself.
     """
     width = window_of(t, period)
     windows = residual[: residual.size // width * width].reshape(-1, width)
@@ -145,4 +147,6 @@ def residual_noise(t: FloatArray, residual: FloatArray, channel: FloatArray, per
         phi = 0.0
     sigma = math.sqrt(max(variance, step * step / 12.0))
     floor = FLOOR * float(np.std(channel))
+    if told is not None and told.found and told.sigma < floor:
+        return Noise(sigma, True, phi, step) if sigma > told.sigma else told
     return Noise(sigma, True, phi, step) if sigma > floor else Noise(floor, False)

@@ -30,7 +30,7 @@ def along(base: Fit, problem: Driven, scales: Scales) -> tuple[Driven, Fit]:
         return problem, base
     problem, base = in_turn(problem, base, scales, lambda p, found: (p, fit(found.model, p, found.free, scales)))
     if problem.force_noise is not None and problem.force_noise.noise.found:
-        beyond = _beyond(base, problem, problem.force_noise, scales)
+        beyond = beyond_first_order(base, problem, problem.force_noise, scales)
         problem = replace(problem, force_noise=replace(problem.force_noise, beyond=beyond))
     return problem, base
 
@@ -71,7 +71,7 @@ def traced(problem: Driven, found: Fit, scales: Scales) -> Driven:
     return replace(problem, force_noise=force if force is None else replace(force, beyond=known.beyond))
 
 
-def _beyond(base: Fit, problem: Driven, force: ForceNoise, scales: Scales) -> float:
+def beyond_first_order(base: Fit, problem: Driven, force: ForceNoise, scales: Scales) -> float:
     """Chi-square that noise of a force leaves beyond first order and what a fit takes: the most of some draws.
 
     Reversals come earlier or later, and slight ones become sticking. A sample on the other side of a jump counts as

@@ -13,14 +13,14 @@ from harness.diagnosis.baseline.base_fit import driven_baseline
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.rmse import as_started, motion_followed, only_started
 from harness.diagnosis.input_noise.noisy_base_fit import along, in_turn
-from harness.diagnosis.input_noise.propagation import unknown_between, unlikely
+from harness.diagnosis.input_noise.propagation import left_of, unknown_between, unlikely
 from harness.diagnosis.inverse_dynamics.prepare import with_unseen_mass
 from harness.diagnosis.inverse_dynamics.search import by_the_force
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.inverse_dynamics import FittedForces
 from harness.diagnosis.kinds.kind import Kind
 from harness.diagnosis.prepare.driven import ALL_FELT, by_its_force
-from harness.diagnosis.prepare.intersample import ACTS_HELD
+from harness.diagnosis.prepare.intersample import ACTS_HELD, FAR_OFF
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.driven import Driven
 from harness.diagnosis.residual_tests.structure import Left, left_by
@@ -33,7 +33,7 @@ from harness.kernels.solve import Scales
 from harness.model.model import Model
 
 _BY_FORCE = (
-    "followed, the base model misses more than half of the motion and no law explains it: the force is fitted instead"
+    "followed, the base model misses far more than the noise and no law explains it: the force is fitted instead"
 )
 _UNKNOWN_BETWEEN = (
     "the force is not known between its samples: it bends from one to the next, and what a controller does there is"
@@ -84,17 +84,25 @@ class DrivenRecordings(Kind[Driven]):
         if felt is not None:
             (based, alone), notes = felt, [*notes, ALL_FELT]
         based, alone = _quieter(based, alone)
+        far = _far_off(based.fit, based.problem)
+        if far and not any(_leaves_noise(one, based) for law in alone.fits[:1] for one in _forms(law, based)):
+            with suppress(SimulationError):
+                return self._by_force(based, other, notes)
         found = search(based.problem, based.fit, based.scales, renew, alone=alone)
         unknown = self._unknown_between(found, based)
         if unknown is not None:
             found, based = unknown
             notes = [*(one for one in notes if one is not ACTS_HELD or based.whole.is_held), _UNKNOWN_BETWEEN]
-        if not found.explained and _strays(found.base, found.problem):
+        if not found.explained and (far or _strays(found.base, found.problem)):
             with suppress(SimulationError):
-                forces = FittedForces()
-                forced = forces.search(forces.fit_base(with_unseen_mass(by_its_force(based.whole))), other)
-                return replace(forced, notes=(_BY_FORCE, *notes, *forced.notes))
+                return self._by_force(based, other, notes)
         return Found(found, based.scales, found, notes=tuple(notes))
+
+    def _by_force(self, based: Based[Driven], other: Judge | None, notes: Sequence[str]) -> Found:
+        """Of the force itself, which tells more of laws that explain a part. Raises SimulationError."""
+        forces = FittedForces()
+        forced = forces.search(forces.fit_base(with_unseen_mass(by_its_force(based.whole))), other)
+        return replace(forced, notes=(_BY_FORCE, *notes, *forced.notes))
 
     def _all_felt(self, based: Based[Driven], noisy: Step) -> tuple[Based[Driven], Step] | None:
         """With a held force as it is recorded and one law each; None where its scatter may as well be noise.
@@ -170,6 +178,12 @@ def _likely(found: Fit, problem: Problem) -> float:
 def _strays(base: Fit, problem: Problem) -> bool:
     """Whether a base model shows another motion than the recording."""
     return motion_followed(base.shown.y, problem) < FOLLOWED.value
+
+
+def _far_off(base: Fit, problem: Problem) -> bool:
+    """Whether a base model misses hundreds of times its sensors' noise."""
+    off = sum(float(np.sum((left / problem.noise[c].sigma) ** 2)) for c, left in left_of(problem, base.shown).items())
+    return off > FAR_OFF**2 * base.points
 
 
 def _leaves_noise(found: Fit, based: Based[Driven]) -> bool:

@@ -1,6 +1,7 @@
 """A driven recording made ready: noise, the drive between samples and over gaps, from where the motion is followed."""
 
 import math
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 
@@ -14,11 +15,20 @@ from harness.diagnosis.baseline.residual_noise import residual_noise
 from harness.diagnosis.fit.fitted_states import begun
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.standard_errors import unit_of
+from harness.diagnosis.input_noise.noisy_base_fit import beyond_first_order
 from harness.diagnosis.input_noise.propagation import between, force_noise, left_of, unlikely
 from harness.diagnosis.parameters import free_of
 from harness.diagnosis.prepare.felt import Felt, felt, unheard
 from harness.diagnosis.prepare.held import held_driven, spring_beside
-from harness.diagnosis.prepare.intersample import ACTS_HELD, Acting, acting, between_samples, breaks_away, held
+from harness.diagnosis.prepare.intersample import (
+    ACTS_HELD,
+    FAR_OFF,
+    Acting,
+    acting,
+    between_samples,
+    breaks_away,
+    held,
+)
 from harness.diagnosis.problems.driven import Driven, Forced
 from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.problems.simulated import COARSE, observe
@@ -26,7 +36,7 @@ from harness.diagnosis.request import Asked
 from harness.diagnosis.rules import DECISIVE, FORCE_HELD
 from harness.diagnosis.smoothed_state.state import Course, inverse_start, told_by
 from harness.diagnosis.starts import OneStart, Windows
-from harness.estimate.noise import Noise, channel_noise, white_at_most, with_colour
+from harness.estimate.noise import Noise, channel_noise, fine_noise, white_at_most, with_colour
 from harness.estimate.readings import words
 from harness.estimate.rest import quiet_at_rest
 from harness.estimate.saturation import within_range
@@ -111,7 +121,7 @@ def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course, tuple[str
     for c, off in stray.items():
         # what the neighbours say, without weight, so that samples stay evenly spaced
         channels[c] = channels[c] - off
-    noise = {c: with_colour(t, y, channel_noise(t, y)) for c, y in channels.items()}
+    noise = _noise(t, channels)
     if all(float(np.std(y)) < _MOVES * noise[c].sigma for c, y in channels.items()):
         seen = ", ".join(f"{c} to {noise[c].sigma:.3g}" for c in channels)
         raise InputError(where, f"a slider that does not move beyond its noise ({seen})", "a driven motion")
@@ -149,11 +159,18 @@ def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course, tuple[str
     return problem, course, (*held, *said)
 
 
+def _noise(t: FloatArray, channels: Mapping[str, FloatArray]) -> dict[str, Noise]:
+    """By which a motion is smoothed where its force is fitted."""
+    return {c: with_colour(t, y, channel_noise(t, y)) for c, y in channels.items()}
+
+
 def _followed(problem: Driven, course: Course, u: FloatArray, asked: Asked) -> tuple[Forced, tuple[str, ...]]:
     t, first = problem.t, problem.first
     if asked.covariates or asked.guarded:
         # a model without what covariates do follows nothing, and how the force acts between samples cannot be told
         return _by_force(problem, asked, course)
+    smooth = problem.noise
+    problem = replace(problem, noise={c: with_colour(t, y, fine_noise(t, y)) for c, y in problem.channels.items()})
     told = _felt_of(problem, course, u)
     noise_u = _unfelt(channel_noise(t, u, rests=True), told, u)
     quiet = _quiet(problem, u, noise_u, course.longest)
@@ -172,7 +189,8 @@ def _followed(problem: Driven, course: Course, u: FloatArray, asked: Asked) -> t
             problem, force, hangs = otherwise, follows, (HANGS,)
     problem = replace(problem, drive=force.drive, otherwise=force.otherwise)
     horizon = asked.horizon
-    forced = None if force.follows else _instead(problem, course, horizon or HORIZON)
+    lost = not force.follows or _blurred(problem, force, noise_u)
+    forced = _instead(replace(problem, noise=smooth), course, horizon or HORIZON) if lost else None
     if forced is not None and not _breaks_away(problem, force, forced[0]):
         return forced[0], (forced[1], *hangs, *([ACTS_HELD] if force.held else []))
     if horizon is not None:
@@ -240,6 +258,21 @@ def _instead(problem: Driven, course: Course, horizon: float) -> tuple[InverseDy
     return None
 
 
+def _blurred(problem: Driven, force: Acting, noise: Noise) -> bool:
+    """Whether what noise of its force does to a motion that is far from the recorded one is no longer told by partials.
+
+    Beyond first order it leaves more of a chi-square than that scatters by chance: reversals then come at other times.
+    """
+    if force.chi2 < FAR_OFF**2 * problem.points:
+        return False
+    allowed, scales = _allowing(problem, force.model, noise), driven_scales(problem, force.model)
+    noisy = allowed.force_noise
+    if noisy is None or not noisy.noise.found:
+        return False
+    found = fit(force.model, allowed, free_of(force.model, problem.base_names), scales)
+    return beyond_first_order(found, allowed, noisy, scales) > math.sqrt(2.0 * allowed.points)
+
+
 def _breaks_away(problem: Driven, force: Acting, forced: InverseDynamics) -> bool:
     """Whether it is followed where what it withstands at rest, which is more than its sliding friction, holds it."""
     f_s = float(np.max(np.abs(forced.measured.held(problem.first)), initial=0.0))
@@ -266,7 +299,8 @@ def _by_force(problem: Driven, asked: Asked, course: Course) -> tuple[InverseDyn
 
 def by_its_force(problem: Driven) -> InverseDynamics:
     """A recording that was to be followed, fitted by its force, as that acts in it."""
-    return InverseDynamics.of(problem, Course.of(problem.t, problem.channels, problem.noise).anew(HORIZON))
+    smooth = replace(problem, noise=_noise(problem.t, problem.channels))
+    return InverseDynamics.of(smooth, Course.of(smooth.t, smooth.channels, smooth.noise).anew(HORIZON))
 
 
 def _said(windows: Windows) -> str:
@@ -299,6 +333,6 @@ def _felt(problem: Driven, allowed: Driven, model: Model) -> bool:
     scales = driven_scales(problem, model)
     found = fit(model, problem, free_of(model, problem.base_names), scales)
     left, period = left_of(problem, found.shown), 2.0 * math.pi / scales.omega
-    own = {c: residual_noise(problem.t, left[c], y, period) for c, y in problem.channels.items()}
+    own = {c: residual_noise(problem.t, left[c], y, period, problem.noise[c]) for c, y in problem.channels.items()}
     as_it_stands = unlikely(found, replace(problem, noise=own))
     return as_it_stands < unlikely(found, replace(allowed, noise=allowed.own_noise(own, left))) - DECISIVE.value

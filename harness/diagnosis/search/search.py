@@ -101,7 +101,7 @@ def noise_of(found: Fit, problem: Problem, omega: float) -> dict[str, Noise]:
         return dict(problem.noise)
     period = 2.0 * math.pi / omega
     left = {c: problem.even(c, y - found.shown.y[c]) for c, y in problem.channels.items()}
-    said = {c: residual_noise(problem.t, left[c], y, period) for c, y in problem.channels.items()}
+    said = {c: residual_noise(problem.t, left[c], y, period, problem.noise[c]) for c, y in problem.channels.items()}
     if not problem.slow_is_sensors:
         return problem.own_noise(said, left)
     width = window_of(problem.t, period)
@@ -206,7 +206,7 @@ def _search(problem: P, base: Fit, scales: Scales, renew: Renew[P], alone: Step)
             break
         if len(chosen.model.terms) == 1:
             free, alike, rest = _with_free_form(chosen, (chosen,), problem, scales, base)
-            if rest is not Left.STRUCTURE and against(found[0], problem) > against(free, problem) - second:
+            if against(found[0], problem) > against(free, problem) - second:
                 chosen, left, rivals = free, rest, in_turn((*alike, *singles[1:]), problem)
                 break
         problem, best, found = _renewed(problem, scales, found[0], found, renew)
@@ -237,16 +237,15 @@ def _with_free_form(
 ) -> tuple[Fit, tuple[Fit, ...], Left]:
     """The first laws with their form free, beside all laws, and the one among them that is chosen with what it leaves.
 
-    One effect in another form than its name's takes two names to follow; a name with one number more comes first. It
-    stands where it leaves noise alone.
+    One effect in another form than its name's takes two names to follow; a name with one number more comes first. One
+    that leaves noise alone comes before those that do not.
     """
     forms = [f for f in (freed(one, problem, scales) for one in singles[:_FREED]) if f is not None]
-    noise = [f for f in forms if f.bic < chosen.bic and left_by(f, problem, scales.omega, base) is Left.NOISE]
-    if not noise:
-        return chosen, singles, Left.STRUCTURE
-    names = {key_of(f) for f in noise}
-    both = in_turn((*noise, *(f for f in singles if key_of(f) not in names)), problem)
-    return both[0], both, Left.NOISE
+    better = [f for f in forms if f.bic < chosen.bic]
+    noise = [f for f in better if left_by(f, problem, scales.omega, base) is Left.NOISE]
+    names = {key_of(f) for f in noise or better}
+    both = in_turn((*(noise or better), *(f for f in singles if key_of(f) not in names)), problem)
+    return (both[0] if names else chosen), both, Left.NOISE if noise else Left.STRUCTURE
 
 
 def _beside_rivals(
