@@ -11,7 +11,9 @@ from harness.proof import drawing, verify
 from harness.proof.drawing import Drawn, probes_of
 from harness.proof.machines.cases import Sealed
 from harness.proof.machines.kinds import CONTROL, MAIN
-from harness.proof.plan import MACHINE, PLANT, SINGLE, Job
+from harness.proof.paths.forms import AXIS, SLOW
+from harness.proof.paths.made import FORM
+from harness.proof.plan import MACHINE, PATH, PLANT, SINGLE, Job
 from harness.proof.seal import STEPS, Ledger, digest
 from harness.proof.verify import Redrawn, check_recording, too_many_elsewhere
 
@@ -146,6 +148,24 @@ def test_what_a_fit_leaves_of_a_slider_may_end_elsewhere() -> None:
     own = drawn(SEED, BEAD)
     there = Drawn(own.name, own.recording, {**own.answer, "base_chi2_excess": 1.02 * own.answer["base_chi2_excess"]})
     assert check_recording(ledger_of(BEAD, there), own, BEAD) == Redrawn(own.name, False, "", elsewhere=True)
+
+
+@pytest.mark.parametrize(
+    ("way", "worth", "wrong"),
+    [(AXIS, 1.03, ""), (AXIS, 1.2, "answer"), (SLOW, 1.0, "recording")],
+    ids=["a count that flips", "worth more", "without a controller"],
+)
+def test_a_controller_makes_another_motion_of_the_last_bit(way: str, worth: float, wrong: str) -> None:
+    job = Job(3, FORM, PATH, ("valve, two slopes",), way, "")
+    own = drawn(SEED, job)
+    *before, last = own.recording.decode().splitlines()
+    mark = next(one for one in ";\t," if one in last)
+    *cells, end = last.split(mark)
+    recording = "\n".join([*before, mark.join([*cells, "9" + end.lstrip("-")]), ""]).encode()
+    there = Drawn(own.name, recording, {**own.answer, "loss": worth * own.answer["loss"]})
+    found = check_recording(ledger_of(job, there), own, job)
+    said = f"{own.name}: the {wrong} is not the one that follows from the seed" if wrong else ""
+    assert found == Redrawn(own.name, False, said)
 
 
 @pytest.mark.parametrize(("of", "elsewhere", "wrong"), [(2, 2, 0), (6, 3, 3), (100, 5, 0), (100, 6, 6)])
