@@ -42,7 +42,7 @@ NUMBERS: Mapping[str, Number] = {
     "sine": Number("N m", 0.2, -np.inf),
     "cosine": Number("N m", 0.2, -np.inf),
     "ramp": Number("rad/s", 5.0, 0.05),
-    "haste": Number("rad/s^2", 100.0, 1.0),
+    "haste": Number("rad/s^2", 1000.0, 1.0),
     "most": Number("N m", 0.5, 1e-4),
     "concave": Number("1", 0.1, 0.0, 0.8),
     "exponent": Number("1", 1.0, 0.3, 4.0),

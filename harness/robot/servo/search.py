@@ -155,7 +155,7 @@ def search(logs: Logs, base: ServoFit, progress: Callable[[str], None] = lambda 
             break
         gain, term, found = ranked[0]
         # a term may only have led out of a worse minimum, in which the fit without it stood
-        led = fit(logs, _less(term, [step.term for step in steps], base, found))
+        led = _lowest(logs, _less(term, [step.term for step in steps], base, found))
         if led.squares < _LOWER * now.squares:
             now, out = led, _predicted(folds, led)
             base, first = (base, first) if steps else (now, out)
@@ -187,7 +187,7 @@ def _needed(
         weighed = []
         for step in steps:
             others = [one.term for one in steps if one is not step]
-            rest = fit(logs, _less(step.term, others, base, now))
+            rest = _lowest(logs, _less(step.term, others, base, now))
             before = _predicted(folds, rest)
             held = _mae(before), _mae(out)
             weighed.append(
@@ -222,8 +222,17 @@ def _ranked(
         tries = [fit(logs, {**kept, **start}, _GLANCE) for start in term.starts(now)]
         looked.append((min(tries, key=lambda one: one.squares), term))
     looked.sort(key=lambda one: -_evidence(now, one[0]))
-    ended = [(_formed(fit(logs, one.values), term), term) for one, term in looked[:_FINALISTS]] + looked[_FINALISTS:]
+    ended = [(_formed(_lowest(logs, one.values), term), term) for one, term in looked[:_FINALISTS]]
+    ended += looked[_FINALISTS:]
     return sorted(((_evidence(now, one), term, one) for one, term in ended), key=lambda found: -found[0])
+
+
+def _lowest(logs: Logs, start: Mapping[str, float]) -> ServoFit:
+    """The fit from a start, or a lower minimum off a bound that it ended on, which a descent does not leave again."""
+    found = fit(logs, start)
+    off = [fit(logs, {**found.values, name: logs.size(name)}) for name in found.free if found.bound(name)]
+    lowest = min(off, key=lambda one: one.squares, default=found)
+    return lowest if lowest.squares < _LOWER * found.squares else found
 
 
 def _formed(found: ServoFit, term: Term) -> ServoFit:
