@@ -29,6 +29,7 @@ from harness.diagnosis.search.extend import Step, extend, settle
 from harness.diagnosis.search.search import Again, Search, freed, noise_of, once, search, under
 from harness.diagnosis.stages import Based, Found
 from harness.diagnosis.starts import Windows
+from harness.estimate.noise import FLOOR
 from harness.kernels.solve import Scales
 from harness.model.model import Model
 
@@ -181,9 +182,10 @@ def _strays(base: Fit, problem: Problem) -> bool:
 
 
 def _far_off(base: Fit, problem: Problem) -> bool:
-    """Whether a base model misses hundreds of times its sensors' noise."""
-    off = sum(float(np.sum((left / problem.noise[c].sigma) ** 2)) for c, left in left_of(problem, base.shown).items())
-    return off > FAR_OFF**2 * base.points
+    """Whether a base model misses hundreds of times its sensors' noise, a fine encoder's no less than any other's."""
+    left = left_of(problem, base.shown)
+    level = {c: max(problem.noise[c].sigma, FLOOR * float(np.std(y))) for c, y in problem.channels.items()}
+    return sum(float(np.sum((left[c] / level[c]) ** 2)) for c in left) > FAR_OFF**2 * base.points
 
 
 def _leaves_noise(found: Fit, based: Based[Driven]) -> bool:
