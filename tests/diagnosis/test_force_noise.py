@@ -9,11 +9,12 @@ from hypothesis import strategies as st
 
 from benchmarks.draws import logs
 from harness.core.arrays import FloatArray
+from harness.core.errors import SimulationError
 from harness.core.events import EventKind, Mode
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.base_fit import driven_baseline
 from harness.diagnosis.input_noise.noisy_base_fit import along
-from harness.diagnosis.input_noise.propagation import force_noise
+from harness.diagnosis.input_noise.propagation import as_it_shows, force_noise
 from harness.diagnosis.pipeline import diagnose, prepare
 from harness.diagnosis.problem import Observation
 from harness.diagnosis.problems.driven import Driven
@@ -203,3 +204,13 @@ def test_a_noisy_force_moves_nothing_that_rests() -> None:
     # a servo's axis, at rest for two fifths of the time, whose force scatters by 3 % of its friction
     found = logs.still(9, 2)
     assert found.right, found.said
+
+
+def test_a_motion_that_leaves_all_bounds_shows_no_level() -> None:
+    problem = Driven(
+        T, dict.fromkeys("xva", T), SENSORS, drive=Drive(T, DRIVE), first=SPRING, restoring=SPRING.restoring
+    )
+    shown = seen(SPRING)
+    nowhere = replace(shown, y={c: np.full_like(y, np.nan) for c, y in shown.y.items()})
+    with pytest.raises(SimulationError, match="leaves all bounds"):
+        as_it_shows(of(SPRING, Noise(0.3, True)), problem, nowhere)

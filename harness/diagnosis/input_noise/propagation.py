@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
+from harness.core.errors import SimulationError
 from harness.core.events import EventKind, Events, Mode
 from harness.core.jit import compiled
 from harness.diagnosis.fit.model_fit import Fit
@@ -150,7 +151,7 @@ def as_it_shows(force: ForceNoise, problem: Problem, shown: Observation) -> Forc
     """The noise of a force at the level that the motion shows beside a model; None where that is none.
 
     A controller's command scatters with its encoder, and the slider has felt every bit of that: the largest level is
-    taken that is not decidedly less likely than the best one.
+    taken that is not decidedly less likely than the best one. Raises SimulationError where none is likely.
     """
     left = left_of(problem, shown)
     told = force.as_told()
@@ -158,8 +159,11 @@ def as_it_shows(force: ForceNoise, problem: Problem, shown: Observation) -> Forc
     if not levels:
         return force
     off = [one.unlikely(problem.t, problem.noise, problem.weight, left) for one in levels]
-    within = next(i for i, by in enumerate(off) if by <= min(off) + DECISIVE.value)
-    found, most = levels[within], min(off) + DECISIVE.value
+    most = min((by for by in off if math.isfinite(by)), default=math.nan) + DECISIVE.value
+    if math.isnan(most):
+        raise SimulationError("what noise of the force does to the motion leaves all bounds")
+    within = next(i for i, by in enumerate(off) if by <= most)
+    found = levels[within]
     for finer in _FINER if within and found.noise.found else ():
         one = found.at(found.noise.sigma * finer)
         if one.unlikely(problem.t, problem.noise, problem.weight, left) <= most:
