@@ -46,8 +46,7 @@ def _near(path: Path) -> str:
     except (OSError, ValueError):
         return ""
     # by names: of paths that have a long folder in common all are near
-    folder = str(path.with_name("_"))[:-1]
-    return did_you_mean(path.name, beside).replace("mean ", f"mean {folder}", 1)
+    return did_you_mean(path.name, beside, str(path.with_name("_"))[:-1])
 
 
 def check_size(path: Path, most: int) -> None:

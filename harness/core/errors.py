@@ -61,12 +61,15 @@ class StoreError(HarnessError):
     exit_code = 2
 
 
-def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """The end of a message, "; did you mean NAME?", with the known name nearest to ``name``; "" where none is near."""
+def did_you_mean(name: str, known: Iterable[str], before: str = "") -> str:
+    """The end of a message, "; did you mean NAME?", with the known name nearest to ``name``; "" where none is near.
+
+    before : what the name is written behind, as a file's is behind its folder.
+    """
     from difflib import get_close_matches
 
     near = get_close_matches(name.lower(), list(known), n=1)
-    return f"; did you mean {near[0]}?" if near else ""
+    return f"; did you mean {before}{near[0]}?" if near else ""
 
 
 _KEPT = "\n\t"

@@ -1,7 +1,7 @@
 """A driven recording made ready: noise, the drive between samples and over gaps, from where the motion is followed."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
 
@@ -121,7 +121,7 @@ def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course, tuple[str
     for c, off in stray.items():
         # what the neighbours say, without weight, so that samples stay evenly spaced
         channels[c] = channels[c] - off
-    noise = _noise(t, channels)
+    noise = _noise(t, channels, channel_noise)
     if all(float(np.std(y)) < _MOVES * noise[c].sigma for c, y in channels.items()):
         seen = ", ".join(f"{c} to {noise[c].sigma:.3g}" for c in channels)
         raise InputError(where, f"a slider that does not move beyond its noise ({seen})", "a driven motion")
@@ -159,9 +159,13 @@ def _seen(recording: Recording, asked: Asked) -> tuple[Driven, Course, tuple[str
     return problem, course, (*held, *said)
 
 
-def _noise(t: FloatArray, channels: Mapping[str, FloatArray]) -> dict[str, Noise]:
-    """By which a motion is smoothed where its force is fitted."""
-    return {c: with_colour(t, y, channel_noise(t, y)) for c, y in channels.items()}
+def _noise(
+    t: FloatArray, channels: Mapping[str, FloatArray], white: Callable[[FloatArray, FloatArray], Noise]
+) -> dict[str, Noise]:
+    """Of each channel, with its colour. white : the usual one, by which a motion is smoothed, or the fine one, by which
+    it is followed.
+    """
+    return {c: with_colour(t, y, white(t, y)) for c, y in channels.items()}
 
 
 def _followed(problem: Driven, course: Course, u: FloatArray, asked: Asked) -> tuple[Forced, tuple[str, ...]]:
@@ -170,7 +174,7 @@ def _followed(problem: Driven, course: Course, u: FloatArray, asked: Asked) -> t
         # a model without what covariates do follows nothing, and how the force acts between samples cannot be told
         return _by_force(problem, asked, course)
     smooth = problem.noise
-    problem = replace(problem, noise={c: with_colour(t, y, fine_noise(t, y)) for c, y in problem.channels.items()})
+    problem = replace(problem, noise=_noise(t, problem.channels, fine_noise))
     told = _felt_of(problem, course, u)
     noise_u = _unfelt(channel_noise(t, u, rests=True), told, u)
     quiet = _quiet(problem, u, noise_u, course.longest)
@@ -299,7 +303,7 @@ def _by_force(problem: Driven, asked: Asked, course: Course) -> tuple[InverseDyn
 
 def by_its_force(problem: Driven) -> InverseDynamics:
     """A recording that was to be followed, fitted by its force, as that acts in it."""
-    smooth = replace(problem, noise=_noise(problem.t, problem.channels))
+    smooth = replace(problem, noise=_noise(problem.t, problem.channels, channel_noise))
     return InverseDynamics.of(smooth, Course.of(smooth.t, smooth.channels, smooth.noise).anew(HORIZON))
 
 

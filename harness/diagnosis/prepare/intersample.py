@@ -25,7 +25,7 @@ from harness.diagnosis.parameters import free_of
 from harness.diagnosis.prepare.band_limited import band_limited, ends
 from harness.diagnosis.problems.driven import Driven
 from harness.diagnosis.problems.simulated import COARSE, observe
-from harness.diagnosis.rules import FORCE_HELD
+from harness.diagnosis.rules import FORCE_HELD, NEARLY_FOLLOWED
 from harness.diagnosis.starts import Windows
 from harness.kernels.solve import Drive
 from harness.model.model import Model, ModelTerm
@@ -38,11 +38,6 @@ _SAMPLES = 20_000
 """That tell whether a force is held, more than enough for a share of chi-square of 2 %."""
 FAR_OFF = 300.0
 """Standard deviations of the sensors' noise by which a base model misses on average, as an encoder shows of a drive."""
-_NEAR = 90.0
-"""% of a motion (NRMSE) that a base model follows which laws are added to, however far beyond a fine encoder's noise.
-
-Of 32 drawn axes they miss 4 % at most, of a real drive whose force is not known well half, of cylinders all.
-"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +113,7 @@ def breaks_away(problem: Driven, force: Acting, f_s: float) -> bool:
 
 def _follows(found: Fit, problem: Driven) -> bool:
     """Whether a model shows the motion that was recorded, within reach of its sensors' noise or nearly as a whole."""
-    return found.chi2 < FAR_OFF**2 * found.points or motion_followed(found.shown.y, problem) >= _NEAR
+    return found.chi2 < FAR_OFF**2 * found.points or motion_followed(found.shown.y, problem) >= NEARLY_FOLLOWED.value
 
 
 def _seen(lines: Drive, usual: Fit, problem: Driven) -> bool:
