@@ -53,9 +53,11 @@ def log(path: Path, options: LogOptions | None = None, gain: Gain | None = None,
         if not isinstance(recording, Recording):
             of_motion = recording.accepted.startswith(TRY) or error.found.startswith(NO_POSITION)
             raise (recording if of_motion else error) from None
+    alone = all(len(topic.joints) <= 1 for topic in topics)
+    if not isinstance(recording, Recording) and (page is not None or (alone and recording.accepted.startswith(TRY))):
+        raise recording
     if page is not None:
-        if not isinstance(recording, Recording):
-            raise recording
+        assert isinstance(recording, Recording)
         write_text(page, render(recording_page(recording)))
     shown = preview(recording) if isinstance(recording, Recording) else None
     result = LogResult(file=str(path.absolute()), topics=topics, recording=shown)

@@ -1,6 +1,5 @@
 """Which columns of a table are which channels: as --columns says, else by their names, else by what they hold."""
 
-import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -24,8 +23,9 @@ from harness.io.columns import (
     unit_ending,
 )
 from harness.io.options import UNSAID, ReadOptions, RefusedError
-from harness.io.scoring import GYRO_COUNTS, TURNING, Reading, runs_of, too_fast
+from harness.io.scoring import CONVERTER, GYRO_COUNTS, TURNING, Reading, likelier_unit, runs_of
 from harness.io.table import Table
+from harness.io.times import clock_unit, unrolled
 from harness.io.units import RAW, STEPS, NoUnitError, OtherUnitError, Unit, is_unit_of, parse_unit
 
 _ONE_WAY = 0.9
@@ -70,6 +70,8 @@ def chosen(table: Table, options: ReadOptions) -> Chosen:
         counted = next((table.headers[i] for i, unit in table.units.items() if STEPS.match(unit)), None)
         if counted is not None:
             what = f"{what}; {counted} is what a sensor counts"
+        if columns is None and (bare := _without_unit(table)):
+            what = f"{what}; {bare}"
         if (field := next(filter(is_electrical, table.headers), None)) is not None:
             what = f"{what}; {field} is of the motor's field: times 1/7 for 7 pole pairs"
         if force := next((h for i, h in enumerate(table.headers) if _is_force(table, i)), ""):
@@ -124,7 +126,7 @@ def _by_names(table: Table, rate: float | None) -> Chosen | None:
     bare = {c: at[0] for c, at in found.items() if at[0] not in table.units}
     if "x" in bare and is_angle(table.names[bare["x"]]):
         return None
-    if "v" in bare and _wants_unit(table, bare["v"]):
+    if any(c in bare and _wants_unit(table, c, bare[c], found) for c in ("x", "v")):
         return None
     raw = any(STEPS.match(table.units[at[0]]) for at in found.values() if at[0] in table.units)
     if not table.own or raw or ({"x", "v"} & set(bare) and "u" in found and is_torque(table.names[found["u"][0]])):
@@ -142,15 +144,45 @@ def _is_force(table: Table, position: int) -> bool:
     return is_unit_of("u", unit) if unit is not None else means is not None and means.channel == "u"
 
 
-def _wants_unit(table: Table, position: int) -> bool:
-    """Whether a speed is one of turning, or no speed in m/s, and its name says no unit."""
+def _wants_unit(table: Table, channel: str, position: int, found: dict[str, list[int]]) -> bool:
+    """Whether a speed is one of turning, or numbers are none in m or m/s, and the name says no unit."""
     name = table.names[position]
-    if is_rate(name) or name == "v":
+    if channel == "v" and (is_rate(name) or name == "v"):
         return is_rate(name) and not unit_ending(name, "v")
+    means = meaning(name)
+    if unit_ending(name, channel) or (means is not None and means.unit):
+        return False
     try:
-        return not unit_ending(name, "v") and too_fast(name, "", table.columns([position])[0])
+        values, *clock = table.columns([position, *found.get("t", ())[:1]])
     except InputError:
         return False
+    if clock:
+        clock = [np.where(np.isinf(clock[0]), np.nan, clock[0])]
+    unit = _unit_of_clock(table, found["t"][0], clock[0]) if clock else "s"
+    if not is_unit_of("t", unit):
+        return False
+    t = unrolled(clock[0]) * parse_unit("", "t", unit).factor if clock else None
+    return bool(likelier_unit(channel, name, values, t))
+
+
+def _without_unit(table: Table) -> str:
+    """What is said of a column whose numbers without a unit are none in m or m/s; "" where there is none."""
+    found = candidates(table.names)
+    for channel in ("x", "v"):
+        for position in found.get(channel, ()):
+            name = table.names[position]
+            if position not in table.units and not is_rate(name) and _wants_unit(table, channel, position, found):
+                return (
+                    f"{table.headers[position][:_LONG]} says no unit, and goes too fast or too far for {_SI[channel]}"
+                )
+    return ""
+
+
+def _unit_of_clock(table: Table, position: int, t: FloatArray) -> str:
+    """The unit of the times (n,) of a column, by its header, its name or its numbers."""
+    means = meaning(table.names[position])
+    told = "s" if position in table.dated else table.units.get(position) or (means.unit if means is not None else "")
+    return told or clock_unit(t) or "s"
 
 
 def _namesakes(table: Table, found: dict[str, list[int]]) -> tuple[str, ...]:
@@ -242,8 +274,6 @@ def quoted_of(table: Table, mapping: Mapping, header: Unit | None = None) -> str
     return factor + product + ("" if unit is None else f"[{unit}]")
 
 
-_CONVERTER = re.compile(r"(?<![a-z])(?:counts?|cts|ticks?|raw|adc|lsb|pulses?|pixels?|px)(?![a-z])", re.IGNORECASE)
-"""In the name of a column whose numbers are no lengths yet."""
 _FEWEST_STEPS = 50
 """Whole numbers that a column goes through, from which they are a converter's, where its unit is no small one."""
 
@@ -276,7 +306,7 @@ def _whole_steps(values: FloatArray) -> bool:
 
 
 def _is_converted(table: Table, position: int) -> bool:
-    return position not in table.units and bool(_CONVERTER.search(table.headers[position].replace("_", " ")))
+    return position not in table.units and bool(CONVERTER.search(table.headers[position].replace("_", " ")))
 
 
 def said(table: Table, mappings: dict[str, Mapping], units: dict[str, Unit], guessed: frozenset[str]) -> str | None:

@@ -151,8 +151,8 @@ def _by_words(name: str) -> Meaning | None:
     of_axis = _AXIS.match(stem)
     if of_axis is not None and of_axis["front"] in _CHANNEL:
         stem = "_".join(filter(None, (of_axis["front"], of_axis["ending"])))
-    if stem in _CLOCKS:
-        return Meaning("t", _CLOCKS[stem])
+    if stem in _CLOCKS or _NANOSECONDS.search(stem):
+        return Meaning("t", _CLOCKS.get(stem, "ns"))
     if stem in _CHANNEL:
         return Meaning(_CHANNEL[stem], _OWN.get(stem), stem in _ANGULAR)
     for cut in (i for i, letter in enumerate(stem) if letter == "_"):
@@ -161,6 +161,10 @@ def _by_words(name: str) -> Meaning | None:
         if channel is not None and ending in ENDINGS[channel]:
             return Meaning(channel, ENDINGS[channel][ending], front in _ANGULAR)
     return None
+
+
+_NANOSECONDS = re.compile(r"nano_?sec(?:onds?)?$|(?:^|_)nsecs?$")
+"""At the end of a name: of a second, beside its whole seconds (ZeitNanoSec), or of a whole time."""
 
 
 def word_of(name: str) -> str:

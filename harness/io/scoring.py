@@ -65,8 +65,12 @@ _LONG_TURN = 1e4
 _TURN, _CIRCLE, _SIDE = 2.0 * np.pi, 360.0, 0.05
 _GYRO = 35.0
 """rad/s, 2000 deg/s: more than gyroscopes show; larger numbers of one are deg/s."""
-_OF_SOUND = 340.0
-"""m/s that nothing on rails, wheels or springs reaches."""
+_OF_SOUND, _OF_ROADS = 340.0, 60.0
+"""m/s that nothing on rails, wheels or springs reaches, and no car that is let roll, 216 km/h."""
+_BENCH, _OF_SWINGS = 200.0, 20.0
+"""m that nothing on a bench goes, and m/s that nothing on a spring reaches: it would swing 3 m at 1 Hz."""
+_STRIDES = 200
+"""Parts of a position between whose means it is seen how fast it goes: noise of single samples is none."""
 GYRO_COUNTS = 4000.0
 """deg/s that none shows: its own counts."""
 _SCALED, _NUMBERS, _NAME, _UNIT = range(-1, 3)
@@ -75,6 +79,8 @@ _COUNTS = {"row", "index", "idx", "sample", "frame", "count", "id", "nr", "no", 
 """Words of a column that counts rows."""
 _IN_VOLTS = re.compile(r"volt|spannung|percent|prozent|duty|pwm|(?<![a-z])(?:ecg|eeg|emg)(?![a-z])")
 """Words of what is no motion before somebody says its scale."""
+CONVERTER = re.compile(r"(?<![a-z])(?:counts?|cts|ticks?|raw|adc|lsb|pulses?|pixels?|px)(?![a-z])", re.IGNORECASE)
+"""In the name of a column whose numbers are no lengths yet."""
 _NO_SIGN = re.compile(r"absolute|magnitude|norm|\bsigma|\bstd|uncertainty", re.IGNORECASE)
 
 
@@ -103,6 +109,11 @@ class Column:
     def spread(self) -> float:
         """Standard deviation of its values."""
         return float(np.nanstd(self.values))
+
+    @property
+    def finer(self) -> int:
+        """How many different values it has: of a stamp in two columns, whole seconds have few."""
+        return int(np.unique(self.values).size)
 
     @property
     def angular(self) -> bool | None:
@@ -145,12 +156,14 @@ def runs_of(table: Table, timed: bool = True) -> list[list[Reading]]:
     times = [one for one in columns if one.channel == "t" and one.rises]
     times = times or sorted((one for one in columns if not one.channel and one.rises), key=_unevenness)[:1]
     moving = [one for one in columns if one not in times and one.channel != "t"]
+    if len(times) == 1:
+        moving = _in_their_unit(moving, times[0])
     if not timed:
         return [list(_readings([one for one in map(_perhaps_falling, columns) if one.channel != "t"], None))]
     clocks = {one.mark: one for one in sorted(times, key=lambda one: one.told)}
     own = [mark for mark in dict.fromkeys(one.mark for one in times) if any(one.mark == mark for one in moving)]
     if len(own) < max(len(clocks), 2):
-        t = max(times, key=lambda one: one.told) if times else None
+        t = max(times, key=lambda one: (one.told, one.finer)) if times else None
         counted = all(one.channel == "count" for one in moving)
         if len(periods) == 1 and counted and (t is None or _parts(t, periods[0])):
             return [[Reading(f"{periods[0].as_channel('t')},x=#0[rev]", periods[0].told == _UNIT)]]
@@ -318,8 +331,8 @@ def _columns(table: Table) -> Iterator[Column]:
             unit = "deg" if _in_degrees(told) else "rad"
         if not channel and _runs_down(told):  # under a name that says nothing it is asked
             channel, by = "v", _SCALED if header else _NUMBERS
-        if channel == "v" and too_fast(name, unit, told):
-            by, unit = _SCALED, "rpm"
+        if channel == "v" and not unit and (other := likelier_unit(channel, name, told)):
+            by, unit = _SCALED, other
         if not header and np.all(told == np.round(told)) and _MG[0] < np.abs(told).min() <= np.abs(told).max() < _MG[1]:
             channel, by, unit = "a", _SCALED, "mg"
         if channel != "other":
@@ -327,9 +340,52 @@ def _columns(table: Table) -> Iterator[Column]:
             yield Column(i, table.quoted(i), name, channel, by, unit, given, mark, rises, values)
 
 
-def too_fast(name: str, unit: str, values: FloatArray) -> bool:
-    """Whether values (n,) of a speed whose unit nothing says are more than any of m/s, as revolutions a minute are."""
-    return not unit and not is_rate(name) and float(np.nanmax(np.abs(values))) > _OF_SOUND
+def likelier_unit(channel: str, name: str, values: FloatArray, t: FloatArray | None = None) -> str:
+    """In what values (n,) of a place or speed whose unit nothing says are likelier than in m or m/s, by how fast and
+    how far it goes; "" where they may be in that.
+
+    t : s, (n,), where it is known. A car goes further than a bench is long, and its log is in km/h.
+    """
+    if name in ("x", "v") or (t is not None and t.size != values.size):
+        return ""
+    known = np.isfinite(values) & (np.isfinite(t) if t is not None else True)
+    values, t = values[known], None if t is None else t[known]
+    if values.size < 2:
+        return ""
+    if channel == "v" and not is_rate(name):
+        most = float(np.max(np.abs(values)))
+        far = 0.0 if t is None else abs(float(np.trapezoid(values, t)))
+        on_a_road = far > _BENCH or (most > _OF_ROADS and (t is not None or not name))
+        return "rpm" if most > _OF_SOUND else "km/h" if on_a_road else ""
+    length = channel == "x" and t is not None and not (is_angle(name) or CONVERTER.search(name.replace("_", " ")))
+    return "mm" if length and t is not None and _fastest(t, values) > _OF_SWINGS else ""
+
+
+def _in_their_unit(columns: Sequence[Column], clock: Column) -> list[Column]:
+    """The columns; where one without a unit goes too fast or too far for m/s or m, those of its kind are in another,
+    which is asked, and so is what says nothing beside it.
+    """
+    t = unrolled(clock.values) * SCALES.get(clock.unit, 1.0)
+    bare = [one for one in columns if not one.unit and one.told == _NAME]
+    units = {one.channel: unit for one in bare if (unit := likelier_unit(one.channel, one.name, one.values, t))}
+    kinds = {channel: (channel, "") if channel == "x" else (channel,) for channel in units}
+    found = list(columns)
+    for channel, unit in units.items():
+        found = [
+            replace(one, channel=channel, told=_SCALED, unit=unit, given=True)
+            if one.channel in kinds[channel] and not one.unit and not is_angle(one.name)
+            else one
+            for one in found
+        ]
+    return found
+
+
+def _fastest(t: FloatArray, x: FloatArray) -> float:
+    """How fast a position x (n,) goes at times t (n,), from the means of parts that follow one another."""
+    parts = np.array_split(np.arange(x.size), min(_STRIDES, x.size))
+    at, place = (np.array([float(y[part].mean()) for part in parts]) for y in (t, x))
+    steps = np.diff(at)
+    return float(np.max(np.abs(np.diff(place)[steps > 0.0]) / steps[steps > 0.0], initial=0.0))
 
 
 def _unit_of_periods(told: FloatArray) -> str:

@@ -305,7 +305,7 @@ def test_rows_of_text_are_read_under_any_name(tmp_path: Path, name: str) -> None
 
 def test_whole_ms_that_were_computed_are_ms(tmp_path: Path) -> None:
     path = tmp_path / "rig.npz"
-    np.savez(path, time=0.004 * np.arange(300) * 1e3, pos=X)
+    np.savez(path, time=0.004 * np.arange(300) * 1e3, pos=0.1 * X)
     np.testing.assert_allclose(read_recording(path).t, 0.004 * np.arange(300), rtol=1e-12)
 
 
@@ -388,3 +388,33 @@ def test_a_blank_second_line_is_no_fault(tmp_path: Path) -> None:
     """A title alone above blank cells is how a file of Tracker begins."""
     (tmp_path / "a.txt").write_text("sensor\n\t\t\n\n" + "".join(f"{t},{x:.6f}\n" for t, x in zip(T, X, strict=True)))
     np.testing.assert_allclose(read_recording(tmp_path / "a.txt")["x"], X, atol=1e-6)
+
+
+def test_a_car_that_rolls_out_is_asked_in_kmh(tmp_path: Path) -> None:
+    t = np.arange(120.0)
+    path = written(tmp_path / "car.csv", "time,speed", t, 130.0 / (1.0 + t / 60.0))
+    with pytest.raises(InputError, match="speed says no unit, and goes too fast or too far for m/s"):
+        read_recording(path)
+    np.testing.assert_allclose(asked(path)["v"], 130.0 / (1.0 + t / 60.0) / 3.6, rtol=1e-6)
+
+
+def test_a_swing_too_fast_for_metres_is_asked(tmp_path: Path) -> None:
+    t = np.arange(600) / 60.0
+    x = 12.0 * np.exp(-0.1 * t) * np.cos(7.7 * t)
+    with pytest.raises(InputError, match=r"X says no unit, and goes too fast or too far for m\. Try: "):
+        read_recording(written(tmp_path / "track.csv", "T,X,Y", t, x, 3.0 + 0.001 * x))
+    found = read_recording(written(tmp_path / "own.csv", "t,x", t, x))
+    np.testing.assert_allclose(found["x"], x, rtol=1e-6)
+
+
+def test_body_parts_of_a_video_are_asked_for_their_scale(tmp_path: Path) -> None:
+    """DeepLabCut's three rows of names; pixels, and frames without a rate."""
+    x = 320.0 + 200.0 * X
+    names = ["scorer,net,net,net", "bodyparts,bob,bob,bob", "coords,x,y,likelihood"]
+    rows = [f"{i},{one:.6f},{240.0 + 0.1 * (i % 7):.6f},0.99" for i, one in enumerate(x)]
+    path = tmp_path / "trackDLC.csv"
+    path.write_text("\n".join([*names, *rows]) + "\n")
+    with pytest.raises(InputError, match=r'bob x is what a sensor counts. Try: --columns "x=bob x\[m\]" --rate HZ'):
+        read_recording(path)
+    found = read_recording(path, ReadOptions(columns="x=0.005*'bob x'[m]", rate=100.0))
+    np.testing.assert_allclose(found["x"], 0.005 * x, rtol=1e-6)

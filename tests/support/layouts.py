@@ -332,6 +332,13 @@ def stamps_in_two(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Pa
     return lines(folder / "pose.csv", head, *said), {"t": m.t, "x": m.x, "v": m.v}
 
 
+def whole_seconds_and_the_rest(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """A controller's stamps under one front, ZeitSec and ZeitNanoSec."""
+    ns = [1_700_000_000_250_000_000 + round(1e9 * t) for t in m.t]
+    said = [f"{k // 10**9};{k % 10**9};{x:.7f}" for k, x in zip(ns, m.x, strict=True)]
+    return lines(folder / "trace.csv", "ZeitSec;ZeitNanoSec;Position [m]", *said), {"t": m.t, "x": m.x}
+
+
 def with_a_summary(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
     """An overload in two cells, and means below the rows."""
     body = rows(",", m.t, 1e3 * m.x)
@@ -983,7 +990,8 @@ WRITERS: dict[str, Writer] = {
         odrive, picoscope, mujoco, microcontroller, rig, languages, water_pendulum, phyphox_zip,
         phyphox_excel, excel_by_hand, labx, wpilog, tdms, matlab_rows, matlab_trials, simulink, hdf5, json_lines,
         json_entries, runs_below, sensor_logger, catman, polytec, feels_its_weight, times_of_day,
-        printed, stamps_in_two, with_a_summary, physics_toolbox, motive, qualisys, vicon, xsens, timetable, tektronix,
+        printed, stamps_in_two, whole_seconds_and_the_rest, with_a_summary,
+        physics_toolbox, motive, qualisys, vicon, xsens, timetable, tektronix,
         imu_in_g, french, tachometer, logger_pro, graphical_analysis_archive, thousands_parted, motive_in_mm, twincat,
         odrive_gui, mso, boards_log, serial_days, written_in_japan, written_by_r, two_levels, dated_records,
         sensors_numbers, by_powers, unit_for_a_name, gyroscope_bare, asked_and_measured, yokogawa, graphtec, stopwatch,

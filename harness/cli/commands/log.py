@@ -52,6 +52,8 @@ def _print(result: "LogResult") -> None:
         _recording(result.recording)
     elif result.topics:
         _log(result)
+        if result.recording is not None and result.recording.notes:
+            say(f"- Without --robot, as one motion: {result.recording.notes[0]}")
 
 
 _ROWS, _DOTS = 4, 4

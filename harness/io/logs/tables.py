@@ -103,15 +103,16 @@ def time_of(table: Table) -> tuple[Mapping | None, str | None]:
 
 
 _REST = "rest of t"
-_SECONDS = re.compile(r"(?:^|[._/])(?P<sec>secs?)$")
+_SECONDS = re.compile(r"(?:^|[._/]|zeit|time)(?P<sec>secs?)$", re.IGNORECASE)
 
 
 def _nanoseconds_beside(table: Table, clock: Mapping | None) -> Mapping | None:
     """The column of nanoseconds beside one of whole seconds, as a message's header has them; None where none is."""
     name = table.names[table.position(clock.names[0])] if clock is not None and len(clock.names) == 1 else ""
     found = _SECONDS.search(name)
-    ends = [name[: found.start("sec")] + one for one in ("nanosec", "nsecs", "nsec")] if found else []
-    at = next((i for i, other in enumerate(table.names) if other in ends), None)
+    front = name[: found.start("sec")].lower() if found else ""
+    ends = [front + one for one in ("nanosec", "nsecs", "nsec")] if found else []
+    at = next((i for i, other in enumerate(table.names) if other.lower() in ends), None)
     return None if at is None else Mapping("t", (f"#{at + 1}",))
 
 
