@@ -47,7 +47,8 @@ class Problem(ABC):
 
     t : s. channels : "x", "v", "a" as measured. noise : per channel. weight : 0 leaves a sample out of
     the fit, 1 of any other, more of one that stands for several.
-    level : by channel, each sample's noise over the channel's. jitter : of the time stamps, s, 0 where none shows.
+    level : by channel, each sample's noise over the channel's. jitter : of the time stamps, s, and share : of a
+    speed's noise over the speed, 0 where none shows.
     mass : kg, None when unknown (then m = 1 and forces are per unit mass, unless a measured force gives the mass).
     zero_free : x is measured from an unknown zero. zero_chosen : nobody said whether it is. angular : x or a was given
     as an angle. starts : from where it is simulated. drive : the measured force as the solver takes it, None where none
@@ -63,6 +64,7 @@ class Problem(ABC):
     weight: Mapping[str, FloatArray] = field(default_factory=dict)
     level: Mapping[str, FloatArray] = field(default_factory=dict)
     jitter: float = 0.0
+    share: float = 0.0
     mass: float | None = None
     restoring: Restoring = Restoring.SPRING
     zero_free: bool = False
@@ -213,10 +215,10 @@ class Problem(ABC):
     @property
     def choices(self) -> tuple[str, ...]:
         """What was chosen before the search and belongs beside the verdict, one sentence each."""
-        if self.jitter <= 0.0:
-            return self.enters
         jitter = f"The time stamps jitter by {1e3 * self.jitter:.2g} ms; samples count less where the signal is fast."
-        return (*self.enters, jitter)
+        share = f"The noise of v grows with the speed, by {100.0 * self.share:.2g} % of it; samples count accordingly."
+        said = [text for text, size in ((jitter, self.jitter), (share, self.share)) if size > 0.0]
+        return (*self.enters, *said)
 
     @property
     def slow_is_sensors(self) -> bool:

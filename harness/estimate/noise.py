@@ -121,63 +121,90 @@ _ROUNDED = 2.0
 """Times its own variance, up to which the noise of a quantised channel is its rounding, less of it where it is slow."""
 
 
-@dataclass(frozen=True, slots=True)
-class Stamps:
-    """Time stamps that jitter: what changes fast is known less well.
+_OF_SIZE = 1e-4
+"""Least noise at rest over that at full size of a noise in proportion to it, as variances: what holds of a sensor at
+work is not to make its last samples before a rest outweigh all others."""
 
-    level : (n,), noise of each sample of a channel over its typical one. jitter : standard deviation of the stamps, s,
-    0 where none shows.
+
+@dataclass(frozen=True, slots=True)
+class Uneven:
+    """Noise that is not the same throughout: stamps that jitter, or a sensor's noise in proportion to what it shows.
+
+    level : (n,), noise of each sample of a channel over its typical one. jitter : standard deviation of the stamps, s;
+    share : of the noise over what the channel shows; 0 where none shows. gain : twice the logarithm of the likelihood
+    ratio over an even noise.
     """
 
     level: FloatArray
-    jitter: float
+    jitter: float = 0.0
+    share: float = 0.0
+    gain: float = 0.0
 
     @classmethod
     def of(
         cls,
+        channel: str,
         t: FloatArray,
         y: FloatArray,
+        value: FloatArray,
         slope: FloatArray,
         noise: Noise,
         width: int,
         degree: int,
         left_out: BoolArray | None = None,
-    ) -> "Stamps":
-        """Of a channel y (n,) at t (n,), s, or what a model leaves of it, with the channel's slope (n,).
+    ) -> "Uneven":
+        """Of a channel y (n,) at t (n,), s, or what a model leaves of it, with its smooth value and slope (n,).
 
-        A polynomial of ``degree`` in windows of ``width`` samples leaves noise of variance s^2 + (jitter slope)^2; the
-        jitter by likelihood, 0 unless that is decisive. left_out (n,) : samples whose windows do not count.
+        A polynomial of ``degree`` in windows of ``width`` samples leaves noise of variance s^2 + (jitter slope)^2, or
+        of a speed s^2 + (share value)^2, as a tachometer's; even unless one is decisive, then the likelier.
+        left_out (n,) : samples whose windows do not count.
         """  # fmt: skip
-        none = cls(np.ones(t.size), 0.0)
+        found = [cls(np.ones(t.size))]
         if not noise.found or rounded(noise.sigma**2, noise.step) or t.size < _FEWEST_WINDOWS * width:
-            return none
+            return found[0]
         whole = t.size // width * width
         power = np.sum(_window_residuals(t, y, width, degree) ** 2, axis=1)
-        square = np.mean(slope[:whole].reshape(-1, width) ** 2, axis=1)
         usable = power > 0.0
         if left_out is not None:
             usable &= ~np.any(left_out[:whole].reshape(-1, width), axis=1)
-        freedom, fastest = width - degree - 1, float(np.max(square))
-        if fastest <= 0.0 or not np.any(usable):
-            return none
-
-        def variance(ratio: float) -> float:
-            return float(np.mean(power[usable] / (1.0 + ratio * square[usable] / fastest))) / freedom
-
-        def likelihood(ratio: float) -> float:
-            spread = np.log(1.0 + ratio * square[usable] / fastest)
-            return -freedom * float(np.sum(spread) + spread.size * math.log(variance(ratio)))
-
-        best = max(_RATIOS, key=likelihood)
-        if likelihood(best) - likelihood(0.0) <= DECISIVE:
-            return none
-        jitter = math.sqrt(variance(best) * best / fastest)
-        if jitter > float(np.median(np.diff(t))) / math.sqrt(12.0):
+        for by, least in ((slope, 0.0), (value, _OF_SIZE)) if channel == "v" else ((slope, 0.0),):
+            square = np.mean(by[:whole].reshape(-1, width) ** 2, axis=1)
+            grows = _growth(power[usable], square[usable], float(np.max(square)), width - degree - 1, least)
+            if grows is None:
+                continue
+            even, factor, gain = grows
+            jitters = by is slope
             # a sample is taken within its own step: what is larger is no stamp's
-            return none
-        late = jitter**2 * slope**2
-        rest = max(noise.sigma**2 - float(np.mean(late)), variance(best))
-        return cls(np.sqrt((rest + late) / float(np.mean(rest + late))), jitter)
+            if jitters and factor > float(np.median(np.diff(t))) / math.sqrt(12.0):
+                continue
+            more = factor**2 * by**2
+            rest = max(noise.sigma**2 - float(np.mean(more)), even) if jitters else even
+            level = np.sqrt((rest + more) / float(np.mean(rest + more)))
+            found.append(cls(level, factor, 0.0, gain) if jitters else cls(level, 0.0, factor, gain))
+        return max(found, key=lambda one: one.gain)
+
+
+def _growth(
+    power: FloatArray, square: FloatArray, most: float, freedom: int, least: float
+) -> tuple[float, float, float] | None:
+    """Of windows (m,), whose noise leaves sums of squares ``power`` at mean squares of what it may grow with: the even
+    variance, the factor of what grows, and the gain of it; None where an even noise does as well.
+
+    freedom : of each window. least : even variance over the largest.
+    """
+    if most <= 0.0 or not power.size:
+        return None
+
+    def variance(ratio: float) -> float:
+        return float(np.mean(power / (1.0 + ratio * square / most))) / freedom
+
+    def likelihood(ratio: float) -> float:
+        spread = np.log(1.0 + ratio * square / most)
+        return -freedom * float(np.sum(spread) + spread.size * math.log(variance(ratio)))
+
+    best = max((ratio for ratio in _RATIOS if ratio * least <= 1.0), key=likelihood)
+    gain = likelihood(best) - likelihood(0.0)
+    return None if gain <= DECISIVE else (variance(best), math.sqrt(variance(best) * best / most), gain)
 
 
 _BANDS = 10

@@ -63,6 +63,22 @@ def test_an_exponential_is_damping_alone_and_a_tachometer_is_enough() -> None:
     assert found.baseline.parameters["f_k"].value == pytest.approx(0.0, abs=1e-2)
 
 
+@pytest.mark.parametrize("draw", range(4))
+def test_the_noise_of_a_tachometer_grows_with_the_speed(draw: int) -> None:
+    """1 % of the speed: what is slow counts more, and friction is known to a quarter of what an even noise allows."""
+    t = np.arange(0.0, 62.0, 0.05)
+    v = viscous(t, 100.0, 0.02, 0.8)[1]
+    noisy = v * (1.0 + 0.01 * np.random.default_rng(draw).standard_normal(t.size))
+    found = harness.diagnose(Recording(t, {"v": noisy}, file="tachometer", angular=True), engines=())
+    assert found.verdict == "adequate"
+    numbers = found.baseline.parameters
+    holds(numbers["c"], 0.02)
+    holds(numbers["f_k"], 0.8)
+    assert numbers["f_k"].stderr is not None
+    assert numbers["f_k"].stderr < 1e-3
+    assert any("The noise of v grows with the speed, by 1" in line or "by 0.9" in line for line in found.warnings)
+
+
 def test_forces_are_of_an_inertia_that_is_known_and_both_directions_are_one() -> None:
     x, v = viscous(T, 25.0, 0.2, 1.5)
     found = harness.diagnose(told(T, x=-x, v=-v), mass=0.03, engines=())

@@ -1,4 +1,4 @@
-"""Time stamps that jitter, as what a model leaves shows them: most where its motion is fast."""
+"""Noise that is not the same throughout, as what a model leaves shows it: of stamps that jitter, or of a tachometer."""
 
 import math
 from collections.abc import Mapping
@@ -10,7 +10,7 @@ from harness.core.arrays import FloatArray
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import P, Problem
 from harness.diagnosis.problems.simulated import FINE
-from harness.estimate.noise import Stamps, channel_noise
+from harness.estimate.noise import Uneven, channel_noise
 from harness.kernels.solve import Scales
 from harness.model.model import Model
 
@@ -21,7 +21,7 @@ _BESIDE = 4.0
 
 
 def stamped(problem: P, model: Model, scales: Scales) -> P:
-    """A problem whose samples count as their stamps let them; itself where none jitter. model : fitted to it.
+    """A problem whose samples count as their noise lets them; itself where it is even. model : fitted to it.
 
     An acceleration jumps where dry friction turns round: a sample beside that is left out. Raises SimulationError.
     """
@@ -32,13 +32,14 @@ def stamped(problem: P, model: Model, scales: Scales) -> P:
     for c, y in problem.channels.items():
         left = y - shown.y[c]
         noise = channel_noise(t, left, 2.0 * np.pi / scales.omega)
-        found[c] = Stamps.of(t, left, np.gradient(shown.y[c], t), noise, _WINDOW, _QUINTIC, turns)
-    worst = max(one.jitter for one in found.values())
-    if worst <= 0.0:
+        value, slope = shown.y[c], np.gradient(shown.y[c], t)
+        found[c] = Uneven.of(c, t, left, value, slope, noise, _WINDOW, _QUINTIC, turns)
+    worst, share = max(one.jitter for one in found.values()), max(one.share for one in found.values())
+    if max(worst, share) <= 0.0:
         return problem
     level = {c: problem.level[c] * one.level for c, one in found.items()}
     counts = {c: (beside > _BESIDE * worst) | (c != "a") for c in problem.channels}
-    return replace(problem, level=level, jitter=worst).weighted(counts)
+    return replace(problem, level=level, jitter=worst, share=share).weighted(counts)
 
 
 def likelihood(found: Fit, problem: Problem, weight: Mapping[str, FloatArray]) -> float:

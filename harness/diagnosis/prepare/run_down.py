@@ -20,7 +20,7 @@ from harness.diagnosis.problems.run_downs_together import RunDownsTogether
 from harness.diagnosis.request import Asked
 from harness.diagnosis.smoothed_state.local_cubics import longest_interval, smoothed
 from harness.diagnosis.starts import AtSpeed, OneStart
-from harness.estimate.noise import Stamps, channel_noise
+from harness.estimate.noise import Uneven, channel_noise
 from harness.estimate.readings import words
 from harness.estimate.saturation import believed
 from harness.model.model import Restoring
@@ -61,7 +61,11 @@ def run_down_problem(recording: Recording, asked: Asked) -> tuple[RunDown, tuple
     noise = {c: channel_noise(cut.t, y) for c, y in channels.items()}
     width = int(np.clip(cut.t.size // _FINE, *_WIDTHS))
     longest = longest_interval(cut.t)
-    slope = {c: smoothed(cut.t, y, longest, noise[c].sigma).slope for c, y in channels.items()}
+    smooth = {c: smoothed(cut.t, y, longest, noise[c].sigma) for c, y in channels.items()}
+    uneven = {
+        c: Uneven.of(c, cut.t, y, smooth[c].value, smooth[c].slope, noise[c], width, _CUBIC)
+        for c, y in channels.items()
+    }
     problem = RunDown(
         cut.t,
         channels,
@@ -70,7 +74,8 @@ def run_down_problem(recording: Recording, asked: Asked) -> tuple[RunDown, tuple
         mass=asked.mass,
         angular=cut.angular,
         starts=OneStart() if "x" in channels else AtSpeed(),
-        level={c: Stamps.of(cut.t, y, slope[c], noise[c], width, _CUBIC).level for c, y in channels.items()},
+        level={c: one.level for c, one in uneven.items()},
+        share=max(one.share for one in uneven.values()),
     )
     return problem, (*beyond, *notes, ONE_WAY, *(() if asked.mass else (RATIOS,)))
 

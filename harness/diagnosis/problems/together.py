@@ -72,6 +72,7 @@ class Together(Problem):
             starts=Several(tuple(stretches), own),
             level=level,
             jitter=max(one.jitter for one in alone),
+            share=max(one.share for one in alone),
             said=said,
         )
 
@@ -99,6 +100,7 @@ class Together(Problem):
             weight={c: w[at] for c, w in self.weight.items()},
             level={c: y[at] / over[c] for c, y in self.level.items()},
             jitter=self.jitter,
+            share=self.share,
             mass=self.mass,
             restoring=self.restoring,
             zero_free=self.zero_free,
