@@ -149,6 +149,15 @@ def test_unit_clock_and_sign_change_no_kind(kind: str) -> None:
     assert harness.motion(other).kind == kind
 
 
+def test_what_loses_little_of_its_swing_decays_and_what_keeps_it_is_driven() -> None:
+    """6 % lost in six cycles, half by half; and none at all."""
+    t = T[:600]
+    assert classify(noisy("x", np.exp(-0.01 * t) * np.cos(W * t), 2e-4)).kind == "free-decay"
+    kept = classify(noisy("x", np.cos(W * t), 2e-4))
+    assert kept.kind == "driven"
+    assert "or it is hardly damped" in kept.wanted
+
+
 def test_a_swing_is_no_run_down_where_a_spring_is_known() -> None:
     creep = noisy("v", np.maximum(20.0 - 1.5 * T, 0.0))
     assert harness.motion(creep, restoring="spring").kind != "run-down"

@@ -33,7 +33,7 @@ _WANTED = {
     MotionKind.SPIN_UP: f"its drive hides friction: switch it off and record until it rests, or {_FORCE}",
     MotionKind.AT_REST: f"nothing moves: {_FORCE}",
     MotionKind.NOT_MECHANICAL: f"no slider moves so: {_FORCE}",
-    MotionKind.DRIVEN: f"something moves it whose force is not known: {_FORCE}",
+    MotionKind.DRIVEN: f"something moves it whose force is not known, or it is hardly damped: {_FORCE}",
 }
 Span = tuple[float, float]
 
