@@ -119,6 +119,51 @@ def test_what_a_servo_makes_of_its_goal_is_one_name_in_whatever_form(
     assert [one.name for one in result.mechanisms] == [name]
 
 
+def stepped(folder: Path, ramp: float = np.inf, lead: float = 0.0) -> Path:
+    """A log of goals that jump by up to 2 rad, so that the drive saturates; ramp : rad/s at which the servo's own goal
+    moves at most. lead : s, of a derivative gain over the gain.
+    """
+    rate, h = 100.0, 2.5e-4
+    t = np.arange(0.0, 24.0, 1.0 / rate)
+    goal = np.random.default_rng(5).uniform(-1.0, 1.0, 48)[(t / 0.8).astype(int)]
+    q, v, own = goal[0], 0.0, goal[0]
+    rows: list[float] = []
+    for i in range(round(t[-1] / h) + 1):
+        if i * h >= t[min(len(rows), t.size - 1)] - 1e-9 and len(rows) < t.size:
+            rows.append(q)
+        own += np.clip(goal[max(int((i * h - 0.01) * rate + 1e-9), 0)] - own, -ramp * h, ramp * h)
+        duty = np.clip(GAIN * (own - q - lead * v), -1.0, 1.0)
+        torque = STALL * VOLTS * duty - (BRAKE + 0.04) * v - GRAVITY * np.sin(q)
+        new = v + h * torque / (INERTIA + ARMATURE)
+        most = h * F_K / (INERTIA + ARMATURE)
+        v = new - np.clip(new, -most, most)
+        q += h * v
+    table = np.column_stack((t, goal, np.round(np.array(rows) / STEP) * STEP))
+    np.savetxt(folder / "steps.csv", table, "%.9g", ",", header="t,elbow.goal,elbow.position", comments="")
+    return folder / "steps.csv"
+
+
+@pytest.mark.parametrize(
+    ("more", "name", "number", "true"),
+    [({}, "drive-limit", "limit", 1.0 / GAIN), ({"ramp": 2.0}, "goal-speed-limit", "ramp", 2.0)],
+)
+def test_goals_that_jump_tell_what_bounds_a_servo_that_nobody_names(
+    more: dict[str, float], name: str, number: str, true: float, tmp_path: Path
+) -> None:
+    """A drive at its most and a goal that the servo moves by itself are far from a servo that pulls as it errs."""
+    result = harness.diagnose_servo(stepped(tmp_path, **more))
+    first = result.mechanisms[0]
+    assert (result.verdict, first.name) == ("missing_physics", name)
+    assert first.parameters[number].value == pytest.approx(true, rel=0.02)
+    assert result.refined.parameters["f_k"].value == pytest.approx(F_K / (INERTIA + ARMATURE), rel=0.05)
+
+
+def test_a_derivative_gain_shows_where_the_duty_is_at_its_limit(tmp_path: Path) -> None:
+    result = harness.diagnose_servo(stepped(tmp_path, lead=0.045), servo="sts3215:16")
+    named = {one.name: one.parameters for one in result.mechanisms}
+    assert named["derivative-gain"]["kd"].value == pytest.approx(0.045 * GAIN, rel=0.05)
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [(["--servo", "sts9999"], "sts3215"), (["--servo", "sts3215:x"], "number"), (["--servo", "xl330:1,2"], "gains")],

@@ -253,8 +253,11 @@ def _result(
         }
     )
     clean = best.rms <= _NEAR_FLOOR * least
-    verdict = ("missing_physics" if clean else "main_effect") if found.steps else "adequate" if clean else "unexplained"
-    ties = _ties(found.steps)
+    quiet = base.rms <= _NEAR_FLOOR * least
+    grades = [_grade(found.steps, i, clean, quiet) for i in range(len(found.steps))]
+    named = any(grade != "minor" for grade in grades)
+    verdict = ("missing_physics" if clean else "main_effect") if named else "adequate" if clean else "unexplained"
+    ties = _ties(found.steps) if "one-of" in grades else []
     if ties:
         verdict = "one_of"
     span = [[0.0, float(run.t[-1] - run.t[0])]]
@@ -270,12 +273,10 @@ def _result(
         settings=case.options.settings(),
         command=command,
         verdict=verdict,
-        statement=_statement(own, best, least) + _not_told(ties, found.steps),
+        statement=_statement(own, best, least, grades) + _not_told(ties, found.steps),
         baseline={"parameters": before, "rmse": {"x": base.rms}, "chi2_per_point": None},
         refined={"parameters": after, "rmse": {"x": best.rms}, "chi2_per_point": None},
-        mechanisms=[
-            _mechanism(step, best, scale, span, _grade(found.steps, i, clean)) for i, step in enumerate(found.steps)
-        ]
+        mechanisms=[_mechanism(step, best, scale, span, grade) for step, grade in zip(found.steps, grades, strict=True)]
         + [_tied(term, gain, span) for term, gain in ties],
         rules=[],
         holdout={"spans_s": [], "baseline_rmse": held[0], "refined_rmse": held[1]},
@@ -334,12 +335,17 @@ def _not_told(ties: Sequence[tuple[Term, float]], steps: Sequence[Step]) -> str:
     return f" Not ruled out in place of {steps[0].term.name}: {', '.join(t.name for t, _ in ties)}." if ties else ""
 
 
-def _grade(steps: Sequence[Step], place: int, clean: bool) -> str:
-    """Of a term by its place, the most needed first; clean : whether all leave no more than the sensor."""
+def _grade(steps: Sequence[Step], place: int, clean: bool, quiet: bool) -> str:
+    """Of a term by its place, the most needed first; clean : whether the fit with all of them leaves no more than the
+    sensor; quiet : whether that without any does: what hardly foretells more may then be of the simulation alone.
+    """
     before, after = steps[place].held_out
+    foretold = after < _MAIN * before
+    much = foretold or not math.isfinite(before)
+    if quiet and not foretold:
+        return "minor"
     if place == 0 and _ties(steps):
         return "one-of"
-    much = not math.isfinite(before) or after < _MAIN * before
     if clean:
         return "explains" if place == 0 or much else "minor"
     return "main" if place == 0 and much else "minor"
@@ -367,8 +373,8 @@ def _mechanism(step: Step, best: ServoFit, scale: str, span: list[list[float]], 
     }
 
 
-def _statement(own: ServoResult, best: ServoFit, least: float) -> str:
-    """The servo and friction, and what free runs miss."""
+def _statement(own: ServoResult, best: ServoFit, least: float, grades: Sequence[str]) -> str:
+    """The servo and friction, and what free runs miss; grades : of its terms, of which minor ones are not said."""
     numbers = own.parameters
 
     def said(name: str) -> str:
@@ -386,7 +392,8 @@ def _statement(own: ServoResult, best: ServoFit, least: float) -> str:
     text += f", dry friction {said('f_k')}"
     for more in dry_friction(best.values):
         text += f" and {more}"
-    others = [term.said for term in own.terms if "friction" not in term.said]
+    graded = zip(own.terms, grades, strict=True)
+    others = [term.said for term, grade in graded if "friction" not in term.said and grade != "minor"]
     text += f". Besides, {' and '.join(others)}." if others else "."
     before, after = (float(np.mean([getattr(one, side) for one in own.fitted])) for side in ("before", "after"))
     text += f" Free runs miss the positions by {after:.3g} mrad in the mean"

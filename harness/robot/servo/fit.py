@@ -86,7 +86,8 @@ class ServoFit:
 
     @property
     def squares(self) -> float:
-        return float(self.residual @ self.residual)
+        with np.errstate(over="ignore"):  # of a run that diverges
+            return float(self.residual @ self.residual)
 
     @property
     def rms(self) -> float:
@@ -161,7 +162,8 @@ class _Point:
 
     @property
     def squares(self) -> float:
-        return float(self.residual @ self.residual)
+        with np.errstate(over="ignore"):  # of a run that diverges
+            return float(self.residual @ self.residual)
 
     def normal_equations(self) -> tuple[FloatArray, FloatArray]:
         partials = _partials(self.logs, self.values, self.free, self.residual)

@@ -92,11 +92,9 @@ held = compiled(_held)
 def _wanted(theta: FloatArray, h: float, goal: float, reached: float, pace: float) -> tuple[float, float]:
     """Where the servo's own goal is a step later, rad, and its speed: at most ``ramp``, taken up and left by ``haste``.
 
-    Each is 0 where it bounds nothing. It stops in whole steps.
+    Each is 0 where it bounds nothing, and one of them bounds it. It stops in whole steps.
     """
     ramp, haste, off = theta[19], theta[25], goal - reached
-    if ramp == 0.0 and haste == 0.0:
-        return goal, 0.0
     if haste == 0.0:
         return min(max(goal, reached - ramp * h), reached + ramp * h), 0.0
     fast = haste * (math.sqrt(h * h + 2.0 * abs(off) / haste) - h)
@@ -106,6 +104,36 @@ def _wanted(theta: FloatArray, h: float, goal: float, reached: float, pace: floa
 
 
 wanted = compiled(_wanted)
+
+
+def _asked(
+    theta: FloatArray,
+    t: FloatArray,
+    goal: FloatArray,
+    at: int,
+    begin: float,
+    end: float,
+    reached: float,
+    pace: float,
+) -> tuple[float, float, int]:
+    """The servo's own goal after a span of goals (n,) of times t (n,), s, with its speed and the last of those.
+
+    Where nothing bounds its speed, their mean; else each counts from its own time on: a run is smooth in their delay.
+    """
+    if theta[19] == 0.0 and theta[25] == 0.0:
+        mean, at = held(t, goal, at, begin, end)
+        return mean, 0.0, at
+    done = begin
+    while at + 1 < t.size and t[at + 1] < end:
+        if t[at + 1] > done:
+            reached, pace = wanted(theta, t[at + 1] - done, goal[at], reached, pace)
+            done = t[at + 1]
+        at += 1
+    reached, pace = wanted(theta, end - done, goal[at], reached, pace)
+    return reached, pace, at
+
+
+asked = compiled(_asked)
 
 
 def _driven(theta: FloatArray, error: float, v: float, volts: float) -> tuple[float, float]:
@@ -187,7 +215,7 @@ def _free_run(
 
     t, goal, volts, on (n,) : s, rad, V, 1 where the servo drives; each is held to the next sample. load (n, 3) :
     inertia without the rotor, kg m^2, and gravity's torque as sine and cosine of the angle, N m. A goal acts ``delay``
-    later, as its mean over a step, so that the run is smooth in it.
+    later, as its mean over a step or from its own time on, so that the run is smooth in it.
     """
     delay, dead, play, zero = theta[13], theta[14], theta[15], theta[16]
     state[0] -= zero
@@ -204,8 +232,7 @@ def _free_run(
         sine, cosine = load[k, 1] + theta[17], load[k, 2] + theta[18]
         for j in range(steps):
             now = t[k] + j * h - delay
-            mean, at = held(t, goal, at, now, now + h)
-            reached, pace = wanted(theta, h, mean, reached, pace)
+            reached, pace, at = asked(theta, t, goal, at, now, now + h, reached, pace)
             q, v = state[0], state[1]
             drive, drag = 0.0, 0.0
             if on[k] != 0.0:

@@ -18,6 +18,7 @@ _UNSAYABLE = {
     "play": "play",
     "dead": "a dead band",
     "ramp": "a limit of the goal's speed",
+    "kd": "a derivative gain",
 }
 
 

@@ -13,6 +13,8 @@ from harness.fit.least_squares import Until
 from harness.robot.servo.fit import Logs, ServoFit, fit
 
 _GLANCE = Until(share=1e-2, iterations=4)
+_LOOK = Until(share=1e-2, iterations=12)
+"""Of a term: one that is far from where it acts gains little at first, and one that does not act ends at once."""
 _FINALISTS, _MOST_TERMS = 3, 4
 _PARTS = 4
 """Into which many logs are divided to be held out."""
@@ -27,8 +29,9 @@ _ENOUGH = 2.0
 @dataclass(frozen=True, slots=True)
 class Term:
     """A piece of a servo's physics. starts : of its numbers, one set a try, from the fit without it. replaces : numbers
-    of another term that its own take the place of. said : what it is, in words. form : a number of its shape, with its
-    start, that is free where that is better: other forms of one law are no second one.
+    of another term that its own take the place of. needs : link, a load's inertia; limit, that of the duty not known;
+    gain, a duty that has a limit. said : what it is, in words. form : a number of its shape, with its start, that is
+    free where that is better: other forms of one law are no second one.
     """
 
     name: str
@@ -53,9 +56,20 @@ def _strongest(found: ServoFit) -> float:
     return most
 
 
+def _farthest(found: ServoFit) -> float:
+    """Largest duty that the errors of position ask for where nothing bounds it."""
+    return max(float(np.max(np.abs(run.goal - run.q)) * run.kp) for run in found.logs.runs)
+
+
 def _fastest_goal(found: ServoFit) -> float:
     rates = [np.abs(np.diff(run.goal)) / np.diff(run.t) for run in found.logs.runs]
     return float(max(np.quantile(rate, 0.98) for rate in rates))
+
+
+def _cruising(found: ServoFit) -> float:
+    """Speed at which the joint is under way, rad/s: the median of what is faster than half of its fastest tenth."""
+    speeds = np.concatenate([np.abs(np.gradient(run.q, run.t)) for run in found.logs.runs])
+    return float(np.median(speeds[speeds >= 0.5 * np.quantile(speeds, 0.9)]))
 
 
 _FADES = ("exponent", 1.0)
@@ -83,13 +97,25 @@ TERMS = (
     Term(
         "torque-limit",
         "the current's limit bounds the torque",
-        lambda f: [{"most": x * _strongest(f)} for x in (0.85, 0.6)],
+        lambda f: [{"most": x * _strongest(f)} for x in (0.85, 0.6, 0.3, 0.1)],
+    ),
+    Term(
+        "drive-limit",
+        "the drive is at its most from some error of position on",
+        lambda f: [{"limit": x * _farthest(f)} for x in (0.7, 0.2)],
+        needs=("limit",),
     ),
     Term(
         "concave-drive",
         "torque grows less than the duty",
         lambda f: [{"concave": x} for x in (0.03, 0.15)],
         form=("concave_power", 2.0),
+    ),
+    Term(
+        "derivative-gain",
+        "the servo brakes by its own speed",
+        lambda f: [{"kd": lead * {**f.logs.known, **f.values}["gain"] * f.logs.runs[0].kp} for lead in (0.01, 0.05)],
+        needs=("gain",),
     ),
     Term("gear-play", "the gears have play", lambda f: [{"play": x} for x in (0.005, 0.02)], needs=("link",)),
     Term(
@@ -102,7 +128,7 @@ TERMS = (
         "goal-speed-limit",
         "the servo limits the speed of its own goal, or how fast that changes",
         lambda f: [
-            {"ramp": 0.7 * _fastest_goal(f)},
+            *({"ramp": x} for x in (0.7 * _fastest_goal(f), _cruising(f)) if x > 0.0),
             *({"haste": _fastest_goal(f) / s, "ramp": 2.0 * _fastest_goal(f)} for s in (0.1, 0.01)),
         ],
         form=("haste", 100.0),
@@ -214,17 +240,27 @@ def _ranked(
     """Terms with evidence and fit, best first: all at a glance, the first few to the end."""
     looked = []
     linked = all(np.all(run.load[:, 0] > 0.0) for run in logs.runs)
+    has = {*(["link"] if linked else []), *(["limit"] if "limit" not in logs.known else [])}
+    # a derivative gain is damping as long as the duty is nowhere at its limit
+    has |= {"gain"} if {"limit", "most"} & {*logs.known, *now.values} else set()
     for term in TERMS:
-        if term.name in taken or any(need == "link" and not linked for need in term.needs):
+        if term.name in taken or not {*term.needs} <= has:
             continue
         progress(term.name)
         kept = {name: value for name, value in now.values.items() if name not in term.replaces}
-        tries = [fit(logs, {**kept, **start}, _GLANCE) for start in term.starts(now)]
+        tries = [fit(logs, {**kept, **start}, _LOOK) for start in term.starts(now)]
         looked.append((min(tries, key=lambda one: one.squares), term))
     looked.sort(key=lambda one: -_evidence(now, one[0]))
     ended = [(_formed(_lowest(logs, one.values), term), term) for one, term in looked[:_FINALISTS]]
     ended += looked[_FINALISTS:]
-    return sorted(((_evidence(now, one), term, one) for one, term in ended), key=lambda found: -found[0])
+    shown = [(one, term) for one, term in ended if _shows(one)]
+    return sorted(((_evidence(now, one), term, one) for one, term in shown), key=lambda found: -found[0])
+
+
+def _shows(found: ServoFit) -> bool:
+    """Whether play and dead band are no smaller than what half a step of the sensor makes anyway."""
+    least = 0.5 * max(run.step for run in found.logs.runs)
+    return all(found.values.get(name, math.inf) >= least for name in ("play", "dead"))
 
 
 def _lowest(logs: Logs, start: Mapping[str, float]) -> ServoFit:

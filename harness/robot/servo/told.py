@@ -65,9 +65,8 @@ def confounded(servo: Servo, runs: tuple[Run, ...]) -> list[str]:
         said.append("brake is the damping that the motor adds while it drives: k_t^2/R and kd together")
     else:
         given = "brake is the data sheet's, c what is more" if "c" in values else "all of it is written as brake"
-        said.append(
-            f"the gears' damping, k_t^2/R and kd are one number ({given}): only a log with torque off separates them"
-        )
+        those = "the gears' damping and k_t^2/R" if "kd" in values else "the gears' damping, k_t^2/R and kd"
+        said.append(f"{those} are one number ({given}): only a log with torque off separates them")
     if "gain" in servo.best.logs.known and known.servo is None:
         said.append(
             "torque and duty are one product: without a preset (--servo) the voltage's share is not identifiable"
