@@ -64,6 +64,11 @@ class Table(ABC):
         """How sample ``index`` (from 0) is called in a message."""
         return f"row {index + 1}"
 
+    def texts(self, positions: Sequence[int]) -> list[str]:
+        """What cells of these columns say in every row, "" of one that does not say the same in the first and the last,
+        or of a format without text."""
+        return [""] * len(positions)
+
     def position(self, name: str) -> int:
         """Position of a column by its name or as ``#N`` (from 1); of ``#0``, which counts the rows, it is -1.
 

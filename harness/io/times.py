@@ -98,6 +98,8 @@ _EPOCHS: tuple[tuple[float, float, str, float], ...] = (
 )
 """Stamps of 1979 to 2286 in each unit; no two overlap, and no experiment lasts ten years."""
 
+_FACTOR = {name: factor for _, _, name, factor in _EPOCHS}
+
 _OFF = 1.0
 """Steps of a coarse clock by which its stamps of even samples are off at most: half of one, and as much again."""
 
@@ -132,11 +134,22 @@ def clock_unit(t: FloatArray) -> str:
     return next((unit for unit in ("ms", "us", "ns") if step * SCALES[unit] < _SLOWEST), "") if step >= _SLOWEST else ""
 
 
+def _several_units(t: FloatArray) -> list[tuple[str, BoolArray]]:
+    """Units in which stamps (n,) count from 1970, each with which of them, where that is more than one; else none."""
+    found = [(name, (low <= t) & (t < high)) for low, high, name, _ in _EPOCHS]
+    found = [(name, of) for name, of in found if np.any(of)]
+    return found if len(found) > 1 and sum(int(np.count_nonzero(of)) for _, of in found) == t.size else []
+
+
 def since_first(t: FloatArray, unit: Unit) -> tuple[FloatArray, str | None]:
     """Stamps of shape (n,) as read, in s: from the first where they count from 1970, and the sentence that says so.
 
     unit : what the header says; where it says nothing, the size of the stamps tells, or that they are whole numbers.
     """
+    if (several := _several_units(t)) and not unit.text:
+        units = ", ".join(name for name, _ in several)
+        seconds, said = since_first(sum((np.where(of, t * _FACTOR[name], 0.0) for name, of in several), 0.0 * t), unit)
+        return seconds, f"Stamps count since 1970 in {units} by turns. {said or ''}".strip()
     first = float(t[0]) if t.size else 0.0
     step = float(np.median(np.diff(t))) if t.size > 1 else 0.0
     if (clock_unit(t) if not unit.text else "day" if unit.factor == _DAY else "") == "day":

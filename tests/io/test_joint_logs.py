@@ -397,3 +397,39 @@ def test_seconds_and_nanoseconds_of_a_header_are_one_time(tmp_path: Path) -> Non
     np.testing.assert_allclose(found.t - found.t[0], 1e-9 * (ns - ns[0]), atol=1e-8)
     assert found.t.size == ONE.t.size
     assert not any("nanosec" in note for note in found.notes)
+
+
+def test_an_angle_that_wraps_is_one_course(tmp_path: Path) -> None:
+    moved = motion(joints=("wrist",))
+    away = moved.position["wrist"] + 3.0
+    columns = {"t": moved.t, "wrist.position": (away + np.pi) % (2.0 * np.pi) - np.pi}
+    found = read_joint_log(csv(tmp_path / "log.csv", columns))
+    assert np.diff(found.position["wrist"]) == pytest.approx(np.diff(away), abs=1e-9)
+    assert any("wrist: the position wraps" in note for note in found.notes)
+
+
+def test_stamps_in_two_units_are_of_one_clock(tmp_path: Path) -> None:
+    moved = motion(joints=("wrist",))
+    since = [f"{1.7e9 + t:.6f}" if i < 150 else str(round(1e9 * (1.7e9 + t))) for i, t in enumerate(moved.t)]
+    rows = [f"{stamp},{x!r}" for stamp, x in zip(since, map(float, moved.position["wrist"]), strict=True)]
+    (tmp_path / "log.csv").write_text("\n".join(["t,wrist.position", *rows]) + "\n")
+    assert read_joint_log(tmp_path / "log.csv").t == pytest.approx(moved.t, abs=1e-6)
+
+
+def test_a_servo_s_register_is_an_angle(tmp_path: Path) -> None:
+    moved = motion(joints=("wrist",))
+    steps = np.round(moved.position["wrist"] * 4096 / (2.0 * np.pi)) + 2048
+    columns = {"time_ms": 1e3 * moved.t, "Goal Position": steps, "Present Position": steps}
+    found = read_joint_log(csv(tmp_path / "log.csv", columns))
+    for of in (found.position, found.goal):
+        (x,) = of.values()
+        assert x == pytest.approx(moved.position["wrist"], abs=np.pi / 4096 + 1e-9)
+
+
+def test_a_clock_in_another_language_and_mujoco_s_own_names_are_read(tmp_path: Path) -> None:
+    moved = motion()
+    called = zip(("qpos", "qvel", "qfrc_actuator"), ("position", "velocity", "effort"), strict=True)
+    columns = {f"{name}[{i}]": getattr(moved, kind)[j] for name, kind in called for i, j in enumerate(moved.joints)}
+    found = read_joint_log(csv(tmp_path / "log.csv", {"Zeit [ms]": 1e3 * moved.t, **columns}))
+    assert found.t == pytest.approx(moved.t)
+    assert found.effort["joint2"] == pytest.approx(moved.effort["elbow"])

@@ -12,6 +12,7 @@ from harness.core.errors import InputError
 from harness.io.logs.read import read_joint_log
 
 FER = ("fer_joint1", "fer_joint2")
+KINDS = ("position", "velocity", "effort")
 PANDA = joint_logs.motion(joints=("panda_joint1", "panda_joint2"))
 
 
@@ -74,3 +75,57 @@ def test_the_same_of_a_data_set_with_its_goals(tmp_path: Path) -> None:
     found = harness.load_log(folder, topic="1", calibration=calibration)
     assert found.position["elbow_flex"] == pytest.approx(0.5 * np.pi * one.position["elbow_flex"])
     assert found.goal["elbow_flex"] == pytest.approx(found.position["elbow_flex"] + 0.1 / 200.0 * np.pi)
+
+
+TWO = joint_logs.motion(joints=("left/elbow", "right/elbow"))
+
+
+@pytest.mark.parametrize("pattern", ["{joint}.{kind}", "/joint_states/{joint}/{kind}"])
+def test_what_stands_before_a_joint_s_name_tells_two_of_that_name_apart(tmp_path: Path, pattern: str) -> None:
+    log = joint_logs.csv(tmp_path / "log.csv", {"t": TWO.t, **TWO.columns(pattern)})
+    assert harness.load_log(log).joints == ("left/elbow", "right/elbow")
+    found = read_joint_log(log, joints=("right/elbow",))
+    assert found.effort["right/elbow"] == pytest.approx(TWO.effort["right/elbow"])
+
+
+@pytest.mark.parametrize("model", ["arm::elbow", "left/elbow"])
+def test_a_joint_is_known_by_the_last_part_of_its_name(tmp_path: Path, model: str) -> None:
+    log = joint_logs.csv(tmp_path / "log.csv", {"t": PANDA.t, **joint_logs.motion().columns()})
+    found = read_joint_log(log, joints=("shoulder", model))
+    assert found.joints == ("shoulder", model)
+    assert any(f"elbow is {model}" in note for note in found.notes)
+    with pytest.raises(InputError):
+        read_joint_log(log, joints=("left/wrist", "right/wrist"))
+
+
+def test_names_that_a_message_has_beside_its_numbers_go_before_an_order(tmp_path: Path) -> None:
+    motion = joint_logs.motion()
+    columns: dict[str, list[str]] = {"field.header.stamp": [str(round(1e9 * (t + 1.6e9))) for t in motion.t]}
+    for i, joint in enumerate(reversed(motion.joints)):
+        columns |= {f"field.name{i}": [joint] * motion.t.size}
+        columns |= {f"field.{kind}{i}": [repr(float(y)) for y in getattr(motion, kind)[joint]] for kind in KINDS}
+    rows = [",".join(columns), *map(",".join, zip(*columns.values(), strict=True))]
+    (tmp_path / "log.csv").write_text("\n".join(rows) + "\n")
+    found = read_joint_log(tmp_path / "log.csv", joints=("shoulder", "elbow"))
+    for kind in KINDS:
+        for joint in motion.joints:
+            assert getattr(found, kind)[joint] == pytest.approx(getattr(motion, kind)[joint])
+
+
+@pytest.mark.parametrize(
+    ("log", "model", "shape"),
+    [
+        (("l_hip_joint", "l_knee_joint"), ("hip_joint", "knee_joint"), "l_{i}={i}"),
+        (("hip", "knee"), ("fl_hip_joint", "fl_knee_joint"), "{i}=fl_{i}_joint"),
+        (("l_hip", "l_knee_1"), ("hip", "knee_1"), "l_{i}={i}"),
+    ],
+)
+def test_the_names_that_are_proposed_make_every_joint(
+    tmp_path: Path, log: tuple[str, str], model: tuple[str, str], shape: str
+) -> None:
+    motion = joint_logs.motion(joints=log)
+    path = joint_logs.csv(tmp_path / "log.csv", {"t": motion.t, **motion.columns()})
+    with pytest.raises(InputError) as refused:
+        read_joint_log(path, joints=model)
+    assert f'--names "{shape}"' in refused.value.accepted
+    assert read_joint_log(path, joints=model, names=dict([shape.split("=")])).joints == model

@@ -11,14 +11,19 @@ from harness.core.errors import InputError
 from harness.core.recording import LARGEST, LONGEST_TIME
 from harness.core.robot.joint_log import JointLog
 from harness.io.logs.calibrated import calibrated
-from harness.io.logs.naming import no_such, renamed
+from harness.io.logs.naming import no_such, renamed, same_joints
 from harness.io.logs.raw import Field, Fields, LogOptions, Raw, one_of
 from harness.io.logs.suspicions import called, coarse, degrees, odd_velocity, unsigned
 from harness.io.times import evened, sampling_notes
+from harness.io.units import parse_unit
+from harness.io.wrapping import unwrapped
 
 Gain = float | Mapping[str, float]
 _BESIDE: tuple[Literal["goal", "voltage", "driven", "temperature"], ...] = ("goal", "voltage", "driven", "temperature")
 """What a log has beside motion and effort."""
+
+_COUNTS, _SMALLER = 4096, 1024
+"""Of a turn, in the position registers of Dynamixel's X and Feetech's STS; of their older ones, over another range."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +50,7 @@ def finished(raw: Raw, file: str, options: LogOptions, gain: Gain | None) -> Fin
     raw = raw if raw.numbered else renamed(calibrated(raw, options.calibration), options.names, options.joints)
     numbered, raw = raw.numbered, _chosen(raw, file, options.joints)
     raw = renamed(calibrated(raw, options.calibration), options.names, None) if numbered else raw
+    raw = _counted(raw) if options.calibration is None and options.angle_unit is None else raw
     raw = _turned(_multiplied(_logged(raw), file, gain), options)
     raw = _in_order(_rows(raw, file, options.drop_nan), file)
     raw = _cut(raw, file, options)
@@ -53,7 +59,8 @@ def finished(raw: Raw, file: str, options: LogOptions, gain: Gain | None) -> Fin
     if raw.t.size > 2:
         t, rounded = evened(raw.t, max(position.values(), key=np.ptp, default=raw.t))
         raw = replace(raw, t=t)
-        notes += filter(None, [rounded, degrees(position, raw.told.get("position", ""))])
+        notes += filter(None, [rounded, *_unwrapped(t, position, raw.told.get("position"))])
+        notes += filter(None, [degrees(position, raw.told.get("position", ""))])
         notes += odd_velocity(raw.t, position, velocity)
         signless = unsigned(position, effort)
         if signless:
@@ -67,6 +74,32 @@ def finished(raw: Raw, file: str, options: LogOptions, gain: Gain | None) -> Fin
     kinds: tuple[Field, ...] = ("current", "magnitude", *_BESIDE)
     beside = {kind: fields[kind] for kind in kinds if fields.get(kind)}
     return Finished(raw.t, position, velocity, effort, beside, tuple(notes))
+
+
+def _counted(raw: Raw) -> Raw:
+    """Positions and goals of bus servos' registers, 4096 a turn from 2048, in rad: whole numbers that no unit is said
+    of, beyond what a hinge or a sensor of 1024 steps can have."""
+    those = [y for kind in ("position", "goal") for y in raw.fields.get(kind, {}).values()]
+    largest = max((float(np.max(y, initial=0.0)) for y in those), default=0.0)
+    whole = all(bool(np.all((y == np.round(y)) & (y >= 0.0))) for y in those)
+    if "position" in raw.told or not (whole and _SMALLER <= largest < _COUNTS):
+        return raw
+    fields = dict(raw.fields)
+    for kind in ("position", "goal"):
+        of = fields.get(kind, {})
+        fields[kind] = {joint: (y - 0.5 * _COUNTS) * (2.0 * np.pi / _COUNTS) for joint, y in of.items()}
+    said = f"Positions are whole numbers up to {largest:.0f}: read as a servo's register, 4096 a turn from 2048."
+    return replace(raw, fields=fields, notes=(*raw.notes, said))
+
+
+def _unwrapped(t: FloatArray, position: dict[str, FloatArray], unit: str | None) -> list[str]:
+    """What is said of positions that wrap by a turn or more; in ``position`` each is put together to one course."""
+    said = []
+    factor = 1.0 if unit is None else parse_unit("unit", "x", unit).factor
+    for joint, x in position.items():
+        position[joint], note = unwrapped(t, x, None, factor)
+        said += [f"{joint}: {note[0].lower()}{note[1:]}"] if note else []
+    return said
 
 
 def _turned(raw: Raw, options: LogOptions) -> Raw:
@@ -105,11 +138,13 @@ def _chosen(raw: Raw, file: str, joints: tuple[str, ...] | None) -> Raw:
         else:
             said = f"Joints have no names in the log: {', '.join(joints)} are taken for them, in the model's order."
     else:
-        names = {joint: joint for joint in have if joint in joints}
+        names = same_joints(have, joints)
         if not names:
             raise no_such(file, have, joints)
-        without = [joint for joint in joints if joint not in names]
-        said = f"The log has no {', '.join(without)}." if without else ""
+        without = [joint for joint in joints if joint not in names.values()]
+        taken = ", ".join(f"{joint} is {other}" for joint, other in names.items() if joint != other)
+        said = f"Of the log's joints {taken}, by the last part of their names. " if taken else ""
+        said = f"{said}The log has no {', '.join(without)}." if without else said.strip()
     fields: Fields = {
         kind: {names[joint]: values for joint, values in of.items() if joint in names}
         for kind, of in raw.fields.items()

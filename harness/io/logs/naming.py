@@ -1,8 +1,10 @@
 """Which of a log's joints is which of the model's: by name, by a pattern of names, by order."""
 
+import itertools
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from difflib import SequenceMatcher
 
 from harness.core.errors import InputError
 from harness.io.logs.raw import Fields, Raw, one_of
@@ -10,7 +12,6 @@ from harness.io.logs.raw import Fields, Raw, one_of
 EVERY = "*"
 """All joints, in the order of both."""
 _PLACE = re.compile(r"\\\{(\w+)\\\}")
-_COUNTED = re.compile(r"^(?P<before>.*?)(?P<number>\d+)(?P<behind>\D*)$")
 
 
 def renamed(raw: Raw, names: Mapping[str, str], joints: Sequence[str] | None) -> Raw:
@@ -62,14 +63,29 @@ def _filled(shape: str, places: Mapping[str, str]) -> str:
     return shape
 
 
+def same_joints(have: Sequence[str], joints: Sequence[str]) -> dict[str, str]:
+    """By the log's joints the model's: of the same name, or alone in ending with the other's last part, elbow and
+    arm::elbow, left/elbow and elbow."""
+    names = {joint: joint for joint in have if joint in joints}
+    left = [joint for joint in have if joint not in names]
+    for other in (joint for joint in joints if joint not in names):
+        alike = [joint for joint in left if _ends_alike(joint, other)]
+        if len(alike) == 1 and sum(_ends_alike(alike[0], one) for one in joints if one not in names) == 1:
+            names[alike[0]] = other
+    return names
+
+
+def _ends_alike(one: str, other: str) -> bool:
+    """Whether the parts of one name are the last of the other."""
+    parts = [re.split(r"::|/", name) for name in (one, other)]
+    shared = min(map(len, parts))
+    return parts[0][-shared:] == parts[1][-shared:]
+
+
 def no_such(file: str, have: Sequence[str], joints: Sequence[str]) -> InputError:
     """The error where no joint of the log is one of the model's, with the --names that would make them so."""
-    shapes = [_shape(one) for one in (have, joints)]
-    if all(shapes):
-        (before, numbers, behind), (other, known, end) = (one for one in shapes if one)
-        if numbers & known:
-            value = f"{before}{{i}}{behind}={other}{{i}}{end}"
-            return _named(file, have, joints, value)
+    if shape := _shape(have, joints):
+        return _named(file, have, joints, shape)
     if len(have) == len(joints):
         return _named(file, have, joints, f"{EVERY}={EVERY}")
     if len(joints) < 2 or not have:  # one was asked for by its name
@@ -83,15 +99,23 @@ def _named(file: str, have: Sequence[str], joints: Sequence[str], value: str) ->
     return InputError(file, found, f'try: --names "{value}"')
 
 
-def _shape(names: Sequence[str]) -> tuple[str, frozenset[str], str] | None:
-    """What most of the names that are counted have before and behind their number; None where none is."""
-    counted = [found for name in names if (found := _COUNTED.match(name))]
-    shapes = [(one["before"], one["behind"]) for one in counted]
-    if not shapes:
-        return None
-    before, behind = max(shapes, key=shapes.count)
-    return (
-        before,
-        frozenset(one["number"] for one in counted if (one["before"], one["behind"]) == (before, behind)),
-        behind,
-    )
+def _shape(have: Sequence[str], joints: Sequence[str]) -> str:
+    """The shape of --names that makes most joints of the log joints of the model, "" where none makes two.
+
+    What the first joint of the log and one of the model have in common is what differs from joint to joint.
+    """
+    known, best = {*joints}, (1, "")
+    for name, other in itertools.product(have, joints):
+        same = SequenceMatcher(None, name, other, autojunk=False).find_longest_match()
+        for core in {name[same.a : same.a + same.size], *re.findall(r"\d+", name)}:
+            if not re.fullmatch(r"\w+", core) or core not in other:
+                continue
+            (before, behind), (start, end) = (
+                (one[: one.rindex(core)], one[one.rindex(core) + len(core) :]) for one in (name, other)
+            )
+            shape = re.compile(f"{re.escape(before)}(\\w+){re.escape(behind)}")
+            fits = [found for one in have if (found := shape.fullmatch(one))]
+            made = {f"{start}{fit[1]}{end}" for fit in fits}
+            if len(made & known) == len(fits) > best[0]:
+                best = len(fits), f"{before}{{i}}{behind}={start}{{i}}{end}"
+    return best[1]

@@ -45,7 +45,7 @@ SI_UNITS: dict[Field, str] = {
 WORDS: dict[Field, tuple[str, ...]] = {
     "position": ("position", "positions", "pos", "q", "qpos", "angle", "x", "theta"),
     "velocity": ("velocity", "velocities", "vel", "dq", "qd", "qvel", "speed", "v", "omega", "dtheta", "thetadot"),
-    "effort": ("effort", "efforts", "torque", "torques", "tau", "tau_j", "u", "tau_est", "tauest"),
+    "effort": ("effort", "efforts", "torque", "torques", "tau", "tau_j", "u", "tau_est", "tauest", "qfrc_actuator"),
     "current": ("current", "currents", "cur"),
     "magnitude": ("absu", "abstau", "abseffort", "abstorque"),
     "goal": ("goal", "action"),
@@ -69,6 +69,10 @@ _ENDINGS = {
 }
 
 
+_TOPIC = re.compile("^/?(?:joint_states?/|observation[./]state[./])")
+"""What stands before a joint's name and is the topic's."""
+
+
 def _any(words: "frozenset[str] | set[str]") -> str:
     return "|".join(sorted(words, key=lambda word: (-len(word), word)))
 
@@ -76,7 +80,7 @@ def _any(words: "frozenset[str] | set[str]") -> str:
 _WORD = f"(?P<word>{_any(set(FIELD_OF))})"
 _LONG = f"(?P<word>{_any(set(FIELD_OF) - SHORT)})"
 _UNIT = f"(?:_(?P<unit>{_any({ending for found in _ENDINGS.values() for ending in found})}))?"
-_ACTUAL = "(?:actual_|measured_|meas_)?"
+_ACTUAL = "(?:(?:actual|measured|meas|present)[_ ])?"
 _JOINT = "(?:(?<=[_.])(?:j|jnt|joint|axis|a)[_.]?)?"
 _ACTUAL_AFTER = "(?:_(?:actual|act|measured|meas|fb))?"
 
@@ -86,11 +90,11 @@ RULES: tuple[tuple[str, re.Pattern[str]], ...] = tuple(
         # position[0], /joint_states/effort[12], field.position0, actual_qd_0, x1_rad, tau1, q.7, pos_meas1, position_j1
         ("numbered", rf"^(?:.*[./])?{_ACTUAL}{_WORD}{_ACTUAL_AFTER}[\[_.]?{_JOINT}(?P<number>\d{{1,3}})\]?{_UNIT}$"),
         # elbow.position, elbow/velocity, /joint_states/elbow/effort, elbow.pos
-        ("named", rf"^(?P<joint>\S.*?)[./]{_LONG}{_UNIT}$"),
+        ("named", rf"^(?P<joint>\S.*?)[./]{_ACTUAL}{_LONG}{_UNIT}$"),
         # q, dq, tau, x_rad: a log of one joint
         ("single", rf"^(?:(?:.*[./])?(?:{_any(TOPICS)})[./])?{_ACTUAL}{_WORD}{_ACTUAL_AFTER}{_UNIT}$"),
         # elbow_pos, joint1_torque_Nm
-        ("named", rf"^(?P<joint>\S.*?)[_ -]{_LONG}{_UNIT}$"),
+        ("named", rf"^(?P<joint>\S.*?)[_ -]{_ACTUAL}{_LONG}{_UNIT}$"),
     )
 )
 """Shapes of names, the first that fits is taken. numbered: joints in the model's order, from 0 or from 1."""
@@ -98,7 +102,10 @@ RULES: tuple[tuple[str, re.Pattern[str]], ...] = tuple(
 
 @dataclass(frozen=True, slots=True)
 class Named:
-    """What a column's name says: how it says it, the field, the word for it, whose, and the unit it ends with."""
+    """What a column's name says: how it says it, the field, the word for it, whose, and the unit it ends with.
+
+    path : the joint's name with what stands before it, "left/elbow" of elbow.
+    """
 
     style: str
     field: Field
@@ -106,6 +113,7 @@ class Named:
     joint: str = ""
     number: int = 0
     unit: str | None = None
+    path: str = ""
 
 
 def named(name: str) -> Named | None:
@@ -120,10 +128,11 @@ def named(name: str) -> Named | None:
         parts = found.groupdict()
         word, ending = parts["word"].lower(), (parts["unit"] or "").lower()
         units = _ENDINGS[CHANNEL[FIELD_OF[word]]]
-        joint = (parts.get("joint") or "").rstrip("/").rpartition("/")[2]
+        path = _TOPIC.sub("", (parts.get("joint") or "").rstrip("/"))
+        joint = path.rpartition("/")[2]
         if (ending and ending not in units) or (style == "named" and joint.lower() in {"", *TOPICS}):
             continue
-        return Named(style, FIELD_OF[word], word, joint, int(parts.get("number") or 0), units.get(ending))
+        return Named(style, FIELD_OF[word], word, joint, int(parts.get("number") or 0), units.get(ending), path)
     return None
 
 

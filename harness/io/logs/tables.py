@@ -11,7 +11,7 @@ from harness.core.apart import Found
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.io.choose import products
-from harness.io.columns import Mapping, meaning, parse_columns, quoted
+from harness.io.columns import Mapping, Meaning, meaning, parse_columns, quoted, word_of
 from harness.io.logs.raw import CHANNEL, FIELD_OF, SI_UNITS, WORDS, Field, Fields, LogOptions, Named, Raw, named
 from harness.io.registry import formats, kind_of, reader_for
 from harness.io.table import Table
@@ -54,6 +54,17 @@ def _is_target(name: str) -> bool:
     return name == "t" or (bool(joint) and kind in _FIELDS)
 
 
+_NAME = re.compile(r"^(?:.*[./])?names?[\[_.]?(?P<number>\d{1,3})\]?$", re.IGNORECASE)
+"""A column that says what a joint is called: field.name3, of a message written to a table."""
+
+
+def _called(table: Table) -> dict[int, str]:
+    """What columns say that numbered joints are called, by their numbers; nothing where rows differ."""
+    numbers = {i: int(found["number"]) for i, name in enumerate(table.names) if (found := _NAME.match(name.strip()))}
+    names = dict(zip(numbers.values(), table.texts(list(numbers)), strict=True)) if numbers else {}
+    return names if all(names.values()) and len({*names.values()}) == len(names) else {}
+
+
 def by_name(table: Table) -> tuple[list[Target], bool]:
     """The targets that names of columns say, and whether joints are numbered, in the model's order.
 
@@ -62,12 +73,16 @@ def by_name(table: Table) -> tuple[list[Target], bool]:
     said = {i: found for i, name in enumerate(table.names) if (found := named(name)) is not None}
     styles = {found.style for found in said.values() if found.field == "position"}
     style = next((style for style in ("named", "numbered", "single") if style in styles), "")
-    base = min((found.number for found in said.values() if found.style == style == "numbered"), default=0)
+    said = {i: found for i, found in said.items() if found.style == style}
+    base = min((found.number for found in said.values()), default=0)
+    called = _called(table) if style == "numbered" else {}
+    # what stands before a name is part of it where names are not told apart without it: left/elbow, right/elbow
+    paths = {found.path for found in said.values()}
+    whole = len({found.joint for found in said.values()}) < len(paths)
     taken: dict[tuple[Field, str], tuple[int, Named]] = {}
     for i, found in said.items():
-        if found.style != style:
-            continue
-        joint = found.joint if style == "named" else f"joint{found.number - base + 1}"
+        joint = (found.path if whole else found.joint) if style == "named" else called.get(found.number, "")
+        joint = joint or f"joint{found.number - base + 1}"
         first = taken.setdefault((found.field, joint), (i, found))
         if first[0] != i and first[1].word == found.word:
             names = ", ".join(quoted(table.headers[at], at) for at in (first[0], i))
@@ -84,14 +99,16 @@ def by_name(table: Table) -> tuple[list[Target], bool]:
         )
         for (field, joint), (i, found) in ordered
     ]
-    return targets, style != "named"
+    return targets, style != "named" and not called
 
 
 def time_of(table: Table) -> tuple[Mapping | None, str | None]:
     """The column of times, and a sentence where others may be it as well; header stamps go before receive times."""
     found = []
     for i, name in enumerate(table.names):
-        means = meaning(name.lstrip("_% "))
+        means = meaning(name.lstrip("_% ")) or (
+            Meaning("t") if name.strip().isalpha() and word_of(name) == "t" else None
+        )
         if means is not None and means.channel == "t":
             found.append((i, name, means.unit))
     if not found:

@@ -419,6 +419,14 @@ class TextTable(Table):
             return self._read_slowly(positions)
         return [np.asarray(table.column(names[i]).to_numpy(), dtype=np.float64) for i in positions]
 
+    def texts(self, positions: Sequence[int]) -> list[str]:
+        """See Table."""
+        data = bytes(self._data[self._layout.offset :]).strip(b"\r\n")
+        first, last = (_decode(line) for line in (data.split(b"\n", 1)[0], data.rsplit(b"\n", 1)[-1]))
+        both = zip(*(_cells(str(self.path), line, self._layout.separator) for line in (first, last)), strict=False)
+        same = [one.strip() if one.strip() == other.strip() else "" for one, other in both]
+        return [same[i] if i < len(same) else "" for i in positions]
+
     def _rows(self) -> Iterator[tuple[int, list[str]]]:
         """Line number and cells of every row but those that hold no number at all, a last one that is cut short, and a
         few of another width. Raises InputError where these are more.

@@ -15,6 +15,8 @@ from harness.robot.servo.servo import averaged
 
 _MOVES = 0.02
 """rad that goal and position go at least for a joint to be one that moves."""
+_FARTHEST = 8.0 * np.pi
+"""rad: four turns, which no servo of an arm makes."""
 _POSES = 100
 """Poses of the others in which a load is read."""
 
@@ -45,7 +47,11 @@ def run_of(log: JointLog, joint: str, servo: Preset | None, kp: float | None, ar
 
     Raises InputError as ``reduced`` does.
     """
-    size = log.t.size
+    size, farthest = log.t.size, float(np.max(np.abs(log.position[joint])))
+    if farthest > _FARTHEST:
+        found = f"positions up to {farthest:.4g} rad, {farthest / (2.0 * np.pi):.2g} turns: degrees look so"
+        of = ",".join(f"{joint}.{field}=COLUMN[deg]" for field in ("goal", "position"))
+        raise InputError(f"{log.file}: {joint}", found, f'their unit in the headers, or --columns "t=COLUMN,{of}"')
     if joint in log.voltage:
         volts = averaged(log.t, log.voltage[joint])
     else:
