@@ -1,6 +1,7 @@
 """A log of two joints: friction comes back and goes into the model; what does not go together is said."""
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -199,6 +200,31 @@ def test_a_mismatch_is_said_with_what_mends_it(change: str, motion: tuple[np.nda
     assert any(option == one.option and one.suspicion for one in found.robot.match)
 
 
+@pytest.mark.parametrize("g", [(9.81, 0.0, 0.0), (-4.905, 0.0, 8.4957)])
+def test_a_base_that_stands_otherwise_is_told_by_the_torques(
+    g: tuple[float, float, float], tmp_path: Path, motion: tuple[np.ndarray, ...]
+) -> None:
+    """On a wall, and nearly upside down; of an arm that moves in a plane another zero of its first joint does alike."""
+    t, q, torque = motion
+    (tmp_path / "arm.xml").write_text(ARM)
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "arm.xml"))
+    data, turned = mujoco.MjData(model), np.empty_like(torque)
+    for i, place in enumerate(q):
+        both = []
+        for gravity in (g, (0.0, 0.0, -9.81)):
+            model.opt.gravity[:], data.qpos[:] = gravity, place
+            mujoco.mj_forward(model, data)
+            both.append(np.array(data.qfrc_bias))
+        turned[i] = torque[i] + both[0] - both[1]
+    found = harness.diagnose_joint(_written(tmp_path, t, q, turned), tmp_path / "arm.xml", "elbow", engines=())
+    said = re.search(r"--gravity (\S+) (\S+) ([^\s):]+)", found.statement)
+    assert said is not None
+    x, y, z = map(float, said.groups())
+    assert (x, y, z) == pytest.approx(g, abs=0.1)
+    mended = harness.diagnose_joint(tmp_path / "log.csv", tmp_path / "arm.xml", "elbow", gravity=(x, y, z), engines=())
+    assert mended.baseline.parameters["f_k"].value == pytest.approx(LEVELS[1], rel=0.05)
+
+
 def test_the_option_mends_it_and_amperes_are_told_by_joint(motion: tuple[np.ndarray, ...], tmp_path: Path) -> None:
     t, q, torque = motion
     log = _written(tmp_path, t, q, torque / (11.0, 4.0))
@@ -216,6 +242,21 @@ def test_the_option_mends_it_and_amperes_are_told_by_joint(motion: tuple[np.ndar
     for one in mended.robot.match:
         assert one.correlation == pytest.approx(1.0, abs=0.01)
         assert not one.suspicion
+
+
+def _thousandfold(found: re.Match[str]) -> str:
+    return f'{found[1]}{" ".join(str(1e3 * float(x)) for x in found[2].split())}"'
+
+
+@pytest.mark.parametrize("what", ["lengths in mm", "masses in g"])
+def test_a_model_in_thousandths_is_no_current(what: str, motion: tuple[np.ndarray, ...], tmp_path: Path) -> None:
+    t, q, torque = motion
+    log = _written(tmp_path, t, q, torque)
+    scaled = {"lengths in mm": r'((?:pos|fromto)=")([^"]*)"', "masses in g": r'(mass=")([^"]*)"'}[what]
+    (tmp_path / "arm.xml").write_text(re.sub(scaled, _thousandfold, ARM))
+    found = harness.diagnose_joint(log, tmp_path / "arm.xml", "elbow", engines=())
+    assert "lengths are in mm, or its masses in g" in found.statement
+    assert "--gain" not in found.statement
 
 
 STRANGE: dict[str, Change] = {

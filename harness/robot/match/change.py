@@ -30,6 +30,12 @@ _KG, _BESIDE, _LIGHTEST = 0.1, 0.05, 0.02
 _ROUND = math.radians(15.0)
 """Zeros are off by whole multiples of this, where the torque does not say otherwise by more than _NEAR."""
 _NEAR = math.radians(1.0)
+_FELT = 1e-4
+"""Of the direction in which torques tell gravity best: below it a direction of gravity is not felt."""
+_AS_LARGE = 0.1
+"""Share by which gravity may differ from the model's: masses and motor constants are not exact either."""
+_UPRIGHT = math.radians(3.0)
+"""A base stands along an axis where the torques say so to this; the rest is a tilt, which is fitted later."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +89,9 @@ def mended(
             rest, other = _refined(_zero(name, 0.0), other, _thin(other), arm)
             found[i] = _zero(name, _offset(found[i]) + _offset(rest))
     after = unexplained(other, arm)
-    if not found or float(np.max(after)) > MENDED or (rival is not None and _score(rival) <= _score(after)):
+    # a joint that was nearly explained, and whose noise is the rest, needs only not be worse
+    least = np.where(shares < 2.0 * MENDED, np.maximum(shares, MENDED), MENDED)
+    if not found or np.any(after > least) or (rival is not None and _score(rival) <= _score(after)):
         return sampled, ()
     return other, tuple(found)
 
@@ -135,6 +143,8 @@ def _changes(sampled: Sampled, arm: Arm) -> Iterator[tuple[Change, Sampled]]:
     if hinges and moved:
         degrees = Change("--angle-unit", "deg", "positions in degrees", tuple(arm.joints))
         yield degrees, _scaled(sampled, hinges, math.pi / 180.0)
+    if turned := _turned(sampled, arm):
+        yield turned
     for i, k in itertools.combinations(moved, 2):
         pair = one, two = arm.joints[i], arm.joints[k]
         order = np.arange(sampled.q.shape[1])
@@ -147,6 +157,40 @@ def _changes(sampled: Sampled, arm: Arm) -> Iterator[tuple[Change, Sampled]]:
             yield both, replace(sampled, **places, torque=torque)
             yield _swapped("effort", pair), replace(sampled, torque=torque)
         yield _swapped("position", pair), replace(sampled, **places)
+
+
+def _turned(sampled: Sampled, arm: Arm) -> tuple[Change, Sampled] | None:
+    """Gravity as the torques say it where it is as large as the model's and acts another way, with the log under it.
+
+    Torques are linear in it. What no joint feels of it is what is missing of its size.
+    """
+    own = np.array(arm.model.opt.gravity)
+    size = float(np.linalg.norm(own))
+    if size == 0.0:
+        return None
+    without = np.add(*replace(sampled, gravity=np.zeros(3)).rigid(arm))
+    each = [np.add(*replace(sampled, gravity=size * axis).rigid(arm)) - without for axis in np.eye(3)]
+    columns, rows = np.stack(each, axis=2), []
+    for j in range(len(sampled.joints)):
+        kept, friction = sampled.moves(j)
+        torque = sampled.torque[kept, j]
+        left = fitted(friction, np.column_stack((torque - without[kept, j], columns[kept, j])))[1]
+        rows.append(left / max(float(np.std(torque)), 1e-12))
+    every = np.concatenate(rows)
+    found, _, rank, _ = np.linalg.lstsq(every[:, 1:], every[:, 0], rcond=_FELT)
+    felt = float(np.linalg.norm(found))
+    if rank < len(found) and felt < 1.0:
+        _, _, ways = np.linalg.svd(every[:, 1:], full_matrices=False)
+        found = found + math.sqrt(1.0 - felt**2) * ways[-1] * np.sign(ways[-1] @ own or 1.0)
+    elif abs(felt - 1.0) > _AS_LARGE:
+        return None
+    found = found / np.linalg.norm(found)
+    nearest = np.round(found)
+    along = nearest if math.acos(min(float(nearest @ found), 1.0)) < _UPRIGHT and nearest @ nearest == 1.0 else found
+    gravity: FloatArray = np.asarray(size * along, dtype=np.float64)
+    value = " ".join(f"{g:.4g}" for g in gravity + 0.0)
+    said = f"the base stands otherwise than the model's: gravity is {value} m/s^2 there"
+    return Change("--gravity", value, said, sampled.joints), replace(sampled, gravity=gravity)
 
 
 def _scaled(sampled: Sampled, joints: list[int], by: float) -> Sampled:
@@ -177,7 +221,9 @@ def _shifted(sampled: Sampled, i: int, offset: float) -> Sampled:
 
 
 def _refined(change: Change, sampled: Sampled, thin: Sampled, arm: Arm) -> tuple[Change, Sampled]:
-    """A change with its zero offset as the torque says it, and the log with it."""
+    """A change with its zero offset, or its gravity, as the torque says it, and the log with it."""
+    if change.option == "--gravity" and (turned := _turned(sampled, arm)):
+        return turned
     if change.option != "--offset":
         return change, next(other for one, other in _changes(sampled, arm) if one == change)
     i, first, width = arm.joints.index(change.joints[0]), _offset(change), 2.0 * math.pi / _STEPS

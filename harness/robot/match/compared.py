@@ -37,6 +37,8 @@ UNITS: Mapping[str, float] = {
 """What one newton metre is in them."""
 _ALIKE = 2.0
 """Standard errors within which a slope is one."""
+_THOUSANDTHS = 2e-3
+"""Times the model's: no current is so little of a torque, and no torque is logged in kN m."""
 UNCHECKED = "neither gravity nor inertia shows in it: not checked"
 
 
@@ -137,6 +139,8 @@ def compare(arm: Arm, log: JointLog, gains: Mapping[str, float] = MappingProxyTy
         return Compared(())
     joints = _looked_at(sampled, arm)
     shares = unexplained(sampled, arm)
+    if _in_thousandths(joints):
+        return _judged(joints, (), gains)
     some_turned = len({one.turned for one in joints if one.told}) > 1
     if _strange(joints) or some_turned or worth_trying(shares):
         heavier = with_load_of(sampled, arm)
@@ -181,6 +185,12 @@ def _strange(joints: Sequence[_Joint]) -> list[str]:
     return [one.name for one in joints if one.strange(scale)]
 
 
+def _in_thousandths(joints: Sequence[_Joint]) -> bool:
+    """Whether every torque that is told is so little of the model's that the model is in other units."""
+    told = [abs(one.told.value) for one in joints if one.told]
+    return bool(told) and max(told) < _THOUSANDTHS
+
+
 def _judged(joints: Sequence[_Joint], changes: Sequence[Change], given: Mapping[str, float]) -> Compared:
     """What is said of every joint, and of the log."""
     strange = _strange(joints)
@@ -203,7 +213,7 @@ def _judged(joints: Sequence[_Joint], changes: Sequence[Change], given: Mapping[
     for one in joints:
         own = [change.said for change in changes if one.name in change.joints]
         own += ["its torque has the other sign"] if one.name in turned else []
-        own += [unit] if unit and one.name in gains else []
+        own += [unit] if unit and (one.name in gains or _in_thousandths(joints)) else []
         matches.append(_match(one, own, option, one.name in strange))
     if strange:
         said.append(f"the torque of {_listed(strange, len(joints))} does not follow the model's")
@@ -233,6 +243,8 @@ def _gains(joints: Sequence[_Joint]) -> tuple[dict[str, float], str]:
     turned = {name: sign for name, sign in signs.items() if sign < 0.0}
     if not told:
         return turned, ""
+    if _in_thousandths(joints):
+        return turned, "torque is a thousandth of the model's: its lengths are in mm, or its masses in g"
     scale, errors = float(np.median(sizes)), np.array([found.error for found in told.values()])
     alike = bool(np.all(np.abs(sizes - scale) < UNIT_NEAR.value * scale + SURE * errors))
     if alike and (len(told) > 1 or LARGEST_SCALE.value < max(scale, 1.0 / scale)):

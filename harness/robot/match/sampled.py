@@ -10,6 +10,7 @@ from harness.core.robot.joint_log import JointLog
 from harness.diagnosis.rules import Rule
 from harness.robot.arm import Arm
 from harness.robot.smooth import Even, moving
+from harness.robot.whole_arm.perturb import under
 
 CORRELATED = Rule(
     "correlated",
@@ -57,7 +58,8 @@ _TENTHS = 10
 @dataclass(frozen=True, slots=True)
 class Sampled:
     """joints (k,) : that move and were logged with effort. dof (k,) : their places in the arm. q, v, a (m, nv) :
-    low-passed, rad or m, per s, per s^2. torque (m, k) : low-passed alike, N m or N."""
+    low-passed, rad or m, per s, per s^2. torque (m, k) : low-passed alike, N m or N. gravity (3,) : m/s^2, where it is
+    not the model's."""
 
     joints: tuple[str, ...]
     dof: tuple[int, ...]
@@ -65,6 +67,7 @@ class Sampled:
     v: FloatArray
     a: FloatArray
     torque: FloatArray
+    gravity: FloatArray | None = None
 
     @classmethod
     def of(cls, arm: Arm, log: JointLog) -> "Sampled":
@@ -83,6 +86,7 @@ class Sampled:
 
     def rigid(self, arm: Arm) -> tuple[FloatArray, FloatArray]:
         """Torque (m, k) of gravity and springs, and of inertia, that the model needs."""
+        arm = arm if self.gravity is None else under(arm, self.gravity)
         still = np.zeros_like(self.q)
         held = arm.inverse(self.q, still, still)
         return held[:, self.dof], (arm.inverse(self.q, self.v, self.a) - held)[:, self.dof]

@@ -124,6 +124,13 @@ def without_armature(arm: Arm) -> Arm:
     return replace(_settled(arm, model), armature=np.zeros_like(arm.armature))
 
 
+def under(arm: Arm, gravity: FloatArray) -> Arm:
+    """The arm under another gravity (3,), m/s^2 in the frame of its base."""
+    model = copy.copy(arm.model)
+    model.opt.gravity[:] = gravity
+    return _settled(arm, model)
+
+
 def tilted(arm: Arm, angle: float, about: int) -> Arm:
     """The arm with gravity turned by ``angle``, rad, about an axis of the base (0 x, 1 y)."""
     model = copy.copy(arm.model)
