@@ -13,6 +13,7 @@ from two_joint_arm import ARM, moved
 import harness
 from harness.app.report.rebuild import rebuild
 from harness.cli.main import run
+from harness.core.errors import InputError
 from harness.core.quantity import Quantity
 from harness.results.diagnosis import DiagnosisResult
 from harness.robot.whole_arm.whole import within_sample
@@ -242,6 +243,40 @@ def test_the_option_mends_it_and_amperes_are_told_by_joint(motion: tuple[np.ndar
     for one in mended.robot.match:
         assert one.correlation == pytest.approx(1.0, abs=0.01)
         assert not one.suspicion
+
+
+def test_currents_alone_are_asked_for_their_gains_which_the_model_tells(
+    motion: tuple[np.ndarray, ...], tmp_path: Path
+) -> None:
+    t, q, torque = motion
+    log = _written(tmp_path, t, q, torque / (11.0, 4.0))
+    log.write_text(log.read_text().replace(".effort", ".current"))
+    said = harness.diagnose_joint(log, tmp_path / "arm.xml", engines=()).statement
+    gains = dict(one.split("=") for one in said.partition("Try: --gain ")[2].split(","))
+    assert {name: float(gain) for name, gain in gains.items()} == {
+        "shoulder": pytest.approx(11.0, rel=0.02),
+        "elbow": pytest.approx(4.0, rel=0.02),
+    }
+    for part in ("current", "unknown"):
+        if part == "unknown":
+            log.write_text(log.read_text().replace(".current", ".other"))
+        else:
+            _written(tmp_path, t, q, torque)
+            log.write_text(log.read_text().replace(".effort", ".current"))
+        with pytest.raises(InputError, match="currents, and no efforts" if part == "current" else "no joint's effort"):
+            harness.diagnose_joint(log, tmp_path / "arm.xml", engines=())
+
+
+def test_rotors_that_no_model_has_leave_nothing_unexplained(motion: tuple[np.ndarray, ...], tmp_path: Path) -> None:
+    """Of an inertia that the nuisance of masses takes up as well, little is left to be explained by its name."""
+    t, q, v, torque = moved(3000, 250.0, LEVELS, (0.1, 0.1))
+    a = np.gradient(np.gradient(q, t, axis=0), t, axis=0)
+    noise = 0.02 * np.random.default_rng(5).standard_normal(v.shape)
+    log = _written(tmp_path, t, q, torque + (0.15, 0.06) * a + noise)
+    found = harness.diagnose_joint(log, tmp_path / "arm.xml", "all", engines=())
+    assert found.verdict != "unexplained"
+    rotors = {one.name for one in found.mechanisms}
+    assert rotors == {"armature-error"}
 
 
 def _thousandfold(found: re.Match[str]) -> str:

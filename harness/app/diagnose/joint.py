@@ -30,7 +30,7 @@ from harness.model.model import Restoring
 from harness.results.diagnosis import DiagnosisResult
 from harness.robot.arm import Arm, load_arm
 from harness.robot.coupling import Coupling, coupling
-from harness.robot.match.compared import compare
+from harness.robot.match.compared import Compared, compare
 from harness.robot.recording import OneJoint, one_joint, slips
 from harness.robot.smooth import moving
 from harness.robot.whole_arm.differentiate import long_enough
@@ -58,6 +58,7 @@ def diagnose_joint(
     log = log if label is None else replace(log, file=label)
     if log.goal and not log.effort:
         return diagnose_servo([(path, log.file)], options, out, progress, command)
+    log, guessed = _with_currents(path, arm, log, asked, options.reading)
     joint, every = _joint(arm, log, asked)
     found = coupling(arm, log, joint)
     if found.moving and joint not in log.effort:
@@ -74,7 +75,8 @@ def diagnose_joint(
                     name, "given, but one joint alone moves", "it goes with logs in which the whole arm moves"
                 )
         one = one_joint(log, found.reduced)
-    case = JointCase(arm, log, joint, compare(arm, log, gains), asked, options, out, progress, command)
+    compared = _compared(arm, log, gains, guessed)
+    case = JointCase(arm, log, joint, compared, asked, options, out, progress, command)
     if not case.compared.fits(joint) and not (every and any(map(case.compared.fits, log.effort))):
         return unfitted(case, found)
     if every and one is None:
@@ -154,15 +156,37 @@ def _as_asked(
     )
 
 
+def _with_currents(
+    path: Path, arm: Arm, log: JointLog, asked: RobotOptions, reading: ReadOptions
+) -> tuple[JointLog, bool]:
+    """A log of a whole arm with its currents in place of efforts that it has not, and whether it is that: the model's
+    torque tells their gains."""
+    if not log.effort and asked.gain is None and len(moving(arm, log)) > 1:
+        with suppress(InputError):
+            return _as_asked(path, arm.joints, replace(asked, gain=1.0), {}, reading), True
+    return log, False
+
+
+def _compared(arm: Arm, log: JointLog, gains: Mapping[str, float], guessed: bool) -> Compared:
+    """The log against its model; guessed : its torques are currents. Raises InputError where gains of these are not
+    told."""
+    compared = compare(arm, log, gains)
+    if guessed and "--gain" not in compared.option:
+        raise InputError(log.file, "currents, and no efforts", "--gain, in N m per A at the joint: one, or one a joint")
+    return compared
+
+
 def _joint(arm: Arm, log: JointLog, asked: RobotOptions) -> tuple[str, bool]:
     """The joint that was asked for, or the first that moves, and whether all are meant."""
     if asked.joint is not None and (asked.joint != ALL or ALL in arm.joints):
         return asked.joint, False
     those = moving(arm, log)
     told = [name for name in those if name in log.effort] or those
-    if not those or (len(those) > 1 and not log.effort):
-        found = f"not given, and {', '.join(those) or 'none of the joints'} move{'s' if not those else ''}"
-        raise InputError("--joint", found, f"a joint of {arm.file}: {', '.join(arm.joints)}")
+    if not those:
+        raise InputError("--joint", "not given, and none of the joints moves", f"one of {', '.join(arm.joints)}")
+    if len(those) > 1 and not log.effort:
+        accepted = "efforts, as columns NAME.effort or by --columns, or a log in which one joint moves alone"
+        raise InputError(log.file, f"no joint's effort is logged, and {', '.join(those)} move", accepted)
     return told[0], len(those) > 1
 
 

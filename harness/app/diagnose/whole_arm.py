@@ -204,9 +204,9 @@ def _entry(one: Entry, family: str) -> EntryResult:
 
 
 def _verdict(told: Sequence[JointFriction], own: Sequence[EntryResult]) -> str:
-    """By the grade of what takes most off; where nothing is named, by whether more than the torque's noise is left."""
-    if own:
-        return _VERDICTS.get(own[0].grade, "unexplained")
+    """By the grade of what takes most off; where that takes little, by whether more than the torque's noise is left."""
+    if own and own[0].grade in _VERDICTS:
+        return _VERDICTS[own[0].grade]
     quiet = all(one.remainder is not None and one.remainder <= EXPLAINED.value for one in told)
     return "adequate" if quiet else "unexplained"
 

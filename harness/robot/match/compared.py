@@ -259,7 +259,9 @@ def _gains(joints: Sequence[_Joint]) -> tuple[dict[str, float], str]:
     gains = {name: float(f"{sign * by_joint.get(name, rest):.4g}") for name, sign in signs.items()}
     lowest, highest = sizes.min(), sizes.max()
     times = f"{lowest:.3g}" if alike else f"{lowest:.3g} to {highest:.3g}"
-    return gains, f"torque is {times} times the model's, as a current in A is"
+    rough = [name for name in gains if name not in told or told[name].error > UNIT_NEAR.value * abs(told[name].value)]
+    hardly = f" (of {_listed(rough, len(gains))} that is hardly told)" if rough else ""
+    return gains, f"torque is {times} times the model's, as a current in A is{hardly}"
 
 
 def _listed(names: Sequence[str], of: int) -> str:
