@@ -55,9 +55,12 @@ def plan(
     if seconds < _LEAST:
         raise InputError("--seconds", f"{seconds:g} s", f"at least {_LEAST:g} s")
     arm = load_arm(robot)
-    names = tuple(joints) or tuple(name for name in arm.joints if name not in arm.coupled)
+    led = {arm.joints[tie.follows]: arm.joints[tie.leads] for tie in arm.ties}
+    names = tuple(joints) or tuple(name for name in arm.joints if name not in {*arm.coupled, *led})
     for name in names:
         arm.index(name, "--joints")
+        if name in led:
+            raise InputError(f"--joints: {name}", f"it goes where {led[name]} takes it", led[name])
     limits = Limits.of(robot, arm, names, speed, torque)
     rng = np.random.default_rng(_SEED)
     progress("random motions", 0, 3)

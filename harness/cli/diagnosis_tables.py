@@ -243,7 +243,8 @@ def _fits(result: "DiagnosisResult") -> None:
         whose = f"\nof {Path(result.own[0].file).name}" if name in result.of_first else ""
         rows.append((f"{name}{whose}", *(with_error(f.parameters.get(name)) for f in fits)))
     rows = [row for row in rows if set(row[1:]) != {"-"}]  # why a number was refused stands on the page
-    show_rows(("", "viscous and Coulomb", "refined")[: len(fits) + 1], rows)
+    if rows:
+        show_rows(("", "viscous and Coulomb", "refined")[: len(fits) + 1], rows)
 
 
 def _own(result: "DiagnosisResult") -> None:

@@ -18,6 +18,7 @@ from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import InputError
 from harness.robot.arm import Arm
 from harness.robot.bare import with_included
+from harness.robot.ties import moved_with
 from harness.robot.whole_arm.perturb import inertials
 from harness.robot.whole_arm.rules import BODY_SPREAD, GUARD, RESTING
 
@@ -72,6 +73,10 @@ class Limits:
                 if arm.slides(name):
                     raise InputError(f"{path}: {name}", "a slide without a range", "a range of every slide")
                 notes.append(f"{name} has no range: half a turn either way is taken")
+            for j, (ratio, start) in moved_with(arm.ties, i).items():
+                if model.jnt_limited[j] and j != i:
+                    ends = sorted(float(end - start) / ratio for end in model.jnt_range[j])
+                    low, high = max(low, ends[0]), min(high, ends[1])
             fastest = speed or said.get(name, math.nan)
             if not fastest > 0.0 or not math.isfinite(fastest):
                 fastest = _SPEED

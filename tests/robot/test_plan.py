@@ -73,3 +73,21 @@ def test_what_gravity_does_not_allow_and_what_is_too_short_is_refused(planned: P
         plan(planned / "arm.xml", seconds=2.0, out=tmp_path / "b")
     with pytest.raises(InputError, match="elbow"):
         plan(planned / "arm.xml", ["elbo"], out=tmp_path / "c")
+
+
+def test_joints_on_a_ratio_are_planned_as_one_within_both_ranges(tmp_path: Path) -> None:
+    """A finger that a mimic moves twice as far has no way of its own, and its range bounds the other's."""
+    fingers = "".join(
+        f'<body name="{name}"><joint name="{name}" type="slide" axis="0 {side} 0" range="0 {most}"/>'
+        '<inertial pos="0 0 0" mass=".1" diaginertia="1e-4 1e-4 1e-4"/></body>'
+        for name, side, most in (("left", 1, 0.05), ("right", -1, 0.06))
+    )
+    tie = '<equality><joint joint1="right" joint2="left" polycoef="0 2 0 0 0"/></equality></mujoco>'
+    text = LIMITED.replace("</worldbody>", f"{fingers}</worldbody>").replace("</mujoco>", tie)
+    (tmp_path / "arm.xml").write_text(text)
+    result = plan(tmp_path / "arm.xml", seconds=6.0, rate=100.0, out=tmp_path / "out")
+    assert [one.joint for one in result.joints] == ["shoulder", "elbow", "left"]
+    left = np.genfromtxt(tmp_path / "out" / "trajectory.csv", delimiter=",", names=True)["leftposition"]
+    assert 0.0 <= left.min() < left.max() <= 0.03
+    with pytest.raises(InputError, match="where left takes it"):
+        plan(tmp_path / "arm.xml", ("right",), seconds=6.0)
