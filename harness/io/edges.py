@@ -25,3 +25,29 @@ def at_edges(t: FloatArray, x: FloatArray) -> FloatArray | None:
         return None
     found: FloatArray = x[1:] - 0.5 * size * np.sign(steps)
     return found
+
+
+_STANDS, _FEWEST, _ONE_WAY = 0.5, 50, 0.9
+"""Share of samples, at least, at which a count stands as before, edges from which it is read by them, and steps that
+are of one tick or two."""
+
+
+def at_clocked_edges(t: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray] | None:
+    """Times and places (k,) at which a count x (n,), which a clock sampled at t (n,), s, went on; None where it hardly
+    ever stands, goes back, or is no count.
+
+    Half way in time to the sample at which it is first seen, as an encoder of a few marks stands at a mark: between two
+    of them the count tells nothing that its edges do not.
+    """
+    steps = np.diff(x)
+    moved = np.flatnonzero(steps != 0.0)
+    if moved.size < _FEWEST or moved.size > (1.0 - _STANDS) * steps.size or np.ptp(np.sign(steps[moved])) > 0.0:
+        return None
+    size = float(np.min(np.abs(steps[moved])))
+    ticks = np.abs(steps[moved]) / size
+    whole = np.all(np.abs(ticks - np.round(ticks)) < _SAME) and np.mean(ticks < 2.0 + _SAME) >= _ONE_WAY
+    if not whole:
+        return None
+    # of several marks since the last sample, the middle one
+    places = x[moved] + 0.5 * (steps[moved] + size * np.sign(steps[moved]))
+    return 0.5 * (t[moved] + t[moved + 1]), np.asarray(places, dtype=np.float64)

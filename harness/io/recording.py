@@ -15,7 +15,7 @@ from harness.core.errors import InputError
 from harness.core.recording import CHANNELS, LARGEST, LONGEST_TIME, MINIMUM_SAMPLES, Recording
 from harness.io.choose import as_angles, chosen, products, quoted_of, said, unscaled
 from harness.io.columns import Mapping, is_magnitude, parse_columns
-from harness.io.edges import at_edges
+from harness.io.edges import at_clocked_edges, at_edges
 from harness.io.join import joined
 from harness.io.logs.suspicions import FACTORS, NEAR, ratio, unsigned
 from harness.io.options import ReadOptions, RefusedError, tried
@@ -249,12 +249,16 @@ Series = dict[str, FloatArray]
 def _between_counts(
     t: FloatArray, channels: Series, covariates: Series
 ) -> tuple[FloatArray, Series, Series, str | None]:
-    """Times, channels and covariates, where each row was stamped by a count that changed half way to it, and what is
+    """Times, channels and covariates, where a count changed half way to each row, or half way to some, and what is
     said of it.
     """
     places = at_edges(t, channels["x"]) if set(channels) == {"x"} else None
     if places is None:
-        return t, channels, covariates, None
+        marks = at_clocked_edges(t, channels["x"]) if set(channels) == {"x"} and not covariates else None
+        if marks is None:
+            return t, channels, covariates, None
+        seen = f"The count stands at most samples: its {marks[0].size} steps are read, each half way to its sample."
+        return marks[0], {"x": marks[1]}, covariates, seen
     beside = {name: values[1:] for name, values in covariates.items()}
     said = "Each stamp is that of a count that changed: x is half way between it and the one before."
     return t[1:], {"x": places}, beside, said

@@ -319,7 +319,8 @@ def _columns(table: Table) -> Iterator[Column]:
             mark = (*mark, str(again + 1))
         channel, by, unit = _by_name(name, table.units.get(i))
         steps = np.diff(told)
-        if channel != "t" and i not in table.dated and _is_count(header, told, steps):
+        measured = channel in CHANNELS and by == _UNIT
+        if channel != "t" and not measured and i not in table.dated and _is_count(header, told, steps):
             channel = "count"
         onward = float(np.mean(np.diff(unrolled(told)) >= 0.0 if channel == "t" else steps > 0.0))
         rises = onward >= _RISES

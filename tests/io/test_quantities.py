@@ -418,3 +418,15 @@ def test_body_parts_of_a_video_are_asked_for_their_scale(tmp_path: Path) -> None
         read_recording(path)
     found = read_recording(path, ReadOptions(columns="x=0.005*'bob x'[m]", rate=100.0))
     np.testing.assert_allclose(found["x"], 0.005 * x, rtol=1e-6)
+
+
+def test_a_count_of_few_marks_that_a_clock_samples_is_read_at_its_steps(tmp_path: Path) -> None:
+    """A wheel of one mark a turn at 4 turns/s that slows, sampled at 50 Hz: each step within half a sample."""
+    t = np.arange(0.0, 60.0, 0.02)
+    turns = 4.0 * t - 0.03 * t**2
+    found = read_recording(written(tmp_path / "wheel.csv", "time_s,turns [rev]", t, np.floor(turns)))
+    np.testing.assert_allclose(found["x"] / (2.0 * np.pi), np.arange(1.0, found.t.size + 1.0), rtol=1e-12)
+    assert np.max(np.abs(np.interp(found.t, t, turns) - found["x"] / (2.0 * np.pi))) <= 4.0 * 0.01 * 1.001
+    assert any("The count stands at most samples" in note for note in found.mended)
+    fine = read_recording(written(tmp_path / "fine.csv", "time_s,turns [rev]", t, np.floor(100.0 * turns) / 100.0))
+    assert fine.t.size == t.size

@@ -62,9 +62,10 @@ def run_down_problem(recording: Recording, asked: Asked) -> tuple[RunDown, tuple
     width = int(np.clip(cut.t.size // _FINE, *_WIDTHS))
     longest = longest_interval(cut.t)
     smooth = {c: smoothed(cut.t, y, longest, noise[c].sigma) for c, y in channels.items()}
+    # where it is slow and samples are few, a slope is not nought because a cubic says so
+    slope = {c: np.hypot(one.slope, one.slope_sd) for c, one in smooth.items()}
     uneven = {
-        c: Uneven.of(c, cut.t, y, smooth[c].value, smooth[c].slope, noise[c], width, _CUBIC)
-        for c, y in channels.items()
+        c: Uneven.of(c, cut.t, y, smooth[c].value, slope[c], noise[c], width, _CUBIC) for c, y in channels.items()
     }
     problem = RunDown(
         cut.t,
