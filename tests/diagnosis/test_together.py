@@ -97,6 +97,18 @@ def test_no_sample_knows_of_another_recording(alike: Together) -> None:
     assert coloured.whitened({"x": values})["x"] == pytest.approx(np.concatenate(by_hand))
 
 
+@pytest.mark.parametrize("size", [2, 5])
+def test_in_means_each_still_begins_at_its_release(alike: Together, size: int) -> None:
+    """The first mean lies some samples after the release, from where the motion is followed all the same."""
+    model = replace(BASE, x0=0.1, elsewhere=(Elsewhere((("offset", 0.0), ("x0", 0.04), ("v0", 0.0))),))
+    shown = observe(model, alike).y
+    small, _ = replace(alike, channels=shown).condensed(shown, size)
+    assert [s.t0 for s in small.starts.stretches] == [s.t0 for s in alike.starts.stretches]
+    assert small.t.size == sum((s.stop - s.start) // size for s in alike.starts.stretches)
+    # what the model leaves of its own motion is nothing, whatever the samples
+    assert small.channels["x"] == pytest.approx(observe(model, small).y["x"], abs=1e-8)
+
+
 def test_the_physics_is_that_of_both_and_the_rest_each_ones_own(alike: Together) -> None:
     based = fit_base(alike)
     found = base_parameters(based.fit, based.problem, based.scales.omega, explained=True)

@@ -206,7 +206,10 @@ class Together(Problem):
         return replace(super(Together, self).at_every_sample(t, channels), starts=starts)
 
     def _each(self, change: Callable[[Problem, int], Problem]) -> Self:
-        return self._anew([change(one, i) for i, one in enumerate(self.alone)])
+        """Each changed, from the same start: it began when it did, wherever the first of fewer samples lies."""
+        found, old = self._anew([change(one, i) for i, one in enumerate(self.alone)]), self.starts.stretches
+        moved = (replace(s, t0=was.t0) for s, was in zip(found.starts.stretches, old, strict=True))
+        return replace(found, starts=replace(found.starts, stretches=tuple(moved)))
 
     def _anew(self, alone: Sequence[Problem]) -> Self:
         return self.of(alone, [s.clock for s in self.starts.stretches], self.starts.own, self.said)
