@@ -20,10 +20,12 @@ from harness.diagnosis.problems.together import Together
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.lack_of_fit import lack_of_fit
 from harness.diagnosis.rules import AMPLITUDES_APART, POOLED
+from harness.diagnosis.search.extend import extend
 from harness.estimate.noise import Noise
 from harness.kernels.solve import solve
 from harness.model.elsewhere import Elsewhere, parted
 from harness.model.model import Model, ModelTerm
+from harness.model.registry import term
 
 BASE = Model(1.0, 0.25, 100.0, 0.35)
 """omega_n 10 rad/s, zeta 0.0125, x_k 3.5 mm."""
@@ -107,6 +109,19 @@ def test_in_means_each_still_begins_at_its_release(alike: Together, size: int) -
     assert small.t.size == sum((s.stop - s.start) // size for s in alike.starts.stretches)
     # what the model leaves of its own motion is nothing, whatever the samples
     assert small.channels["x"] == pytest.approx(observe(model, small).y["x"], abs=1e-8)
+
+
+def test_a_weak_law_is_not_asked_for_speeds_of_releases_at_rest() -> None:
+    """Beside a base that begins at rest in every recording a law does too: its evidence is what it says alone."""
+    dragged = BASE.with_terms(ModelTerm.named("quadratic-drag", c2=0.02))
+    problem = together([seen(dragged, x0, 0.0, 1e-4, i) for i, x0 in enumerate((0.1, 0.08, 0.06, 0.05, 0.04))])
+    based = fit_base(problem)
+    (drag,) = extend(based.fit, based.problem, based.scales, (term("quadratic-drag"),)).fits
+    speeds = [[f.name for f in one.free if parted(f.name)[0] == "v0"] for one in (based.fit, drag)]
+    assert speeds == [[], []]
+    # a twelfth of the damping at most, which one number tells
+    assert len(drag.free) == len(based.fit.free) + 1
+    assert drag.bic < based.fit.bic
 
 
 def test_the_physics_is_that_of_both_and_the_rest_each_ones_own(alike: Together) -> None:

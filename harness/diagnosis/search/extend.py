@@ -259,17 +259,19 @@ def pair_up(starts: Sequence[Sequence[Model]], current: Fit, problem: Problem, s
 def _finished(best: Sequence[Fit], current: Fit, problem: Problem, small: Problem, scales: Scales) -> Step:
     """Rough fits to ``small``, best first, as fits to all samples."""
     base = _base(current, problem)
-    finalists = _finalists(best, chi2_of(current.model, small, scales, COARSE) + current.bic - current.chi2)
+    # a law's release from rest is found once it is settled, and the model's has been: till then both have speeds to pay
+    before = current.bic + (len(base) - len(base_of(current.free))) * math.log(max(problem.points, 2))
+    finalists = _finalists(best, chi2_of(current.model, small, scales, COARSE) + before - current.chi2)
     fitted = each(lambda f: _quick(f.model, problem, base, scales), finalists, lambda f: f"fitting {_said(f.model)}")
     quick = sorted((q for q in fitted if q is not None), key=lambda f: f.bic)
     fits: dict[tuple[str, ...], Fit] = {}
-    reach = max(_MISPLACED, _MISPLACED_SHARE * (current.bic - quick[0].bic)) if quick else 0.0
+    reach = max(_MISPLACED, _MISPLACED_SHARE * (before - quick[0].bic)) if quick else 0.0
 
     # under a force in few pieces reversals lie beside where they are, and a hasty fit leaves them there
     beside = small.drive is not problem.drive
 
     def settled(hasty: Fit) -> Fit:
-        near = hasty.bic - (far_out(hasty) if beside else 0.0) < min(quick[0].bic + reach, current.bic)
+        near = hasty.bic - (far_out(hasty) if beside else 0.0) < min(quick[0].bic + reach, before)
         return settle(hasty, problem, scales) if near else hasty
 
     for found in each(settled, quick, lambda f: f"settling {_said(f.model)}"):
