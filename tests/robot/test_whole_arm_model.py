@@ -34,6 +34,7 @@ from harness.robot.whole_arm.columns import (
     ROTOR_OR_SENSOR,
     SCALE_OR_MASS,
     SENSOR,
+    SPRING,
     STRIBECK,
     TILT,
     WHICH_IS_LATE,
@@ -70,6 +71,20 @@ def test_a_load_at_the_end_is_a_pair_with_the_last_link_and_its_place_is_found()
     moments = [values[f"moment {axis}"] for axis in "xyz"]
     assert moments == pytest.approx([0.14, -0.168, 0.28], abs=0.005)
     assert "last link" in told.statement
+    friction_is_right(found)
+
+
+@pytest.mark.parametrize(("joint", "stiff"), [(1, 12.0), (3, -6.0)])
+def test_a_spring_that_no_model_has_is_no_scale_of_the_torque(joint: int, stiff: float) -> None:
+    """A balancer, or cables that are bent: what pulls towards a place, or away from it, goes with the angle."""
+    plant, motion = machine()
+    found = whole_arm(
+        log_of(with_effect(plant, joint, lambda t, q, v, load: stiff * (q - 0.3)), motion), arm(), lowpass=LOWPASS
+    )
+    told = only(found, SPRING, NAMES[joint])
+    (stiffness,) = (value for _, value in told.parameters)
+    assert stiffness.value == pytest.approx(stiff, rel=0.02)
+    assert f"({NAMES[joint]})" in told.statement
     friction_is_right(found)
 
 

@@ -38,6 +38,7 @@ POSITION, ASYMMETRIC = position_dependent_friction_cosine.TERM.name, asymmetric_
 QUADRATIC, DRIFT, POWER = quadratic_drag.TERM.name, friction_drift.TERM.name, power_law_damping.TERM.name
 INERTIA, PAYLOAD, MOTOR, DELAY = "inertia-error", "payload", "motor-constant", "torque-delay"
 SENSOR, TILT, ARMATURE, ZERO = "sensor-side", "tilt", "armature-error", "zero-offset"
+SPRING = "joint-spring"
 WITHIN_A_SAMPLE = "delay-within-a-sample"
 
 LOAD_OR_POSITION = "load- or position-dependent friction of a gravity joint"
@@ -56,6 +57,7 @@ ERRORS = {
     TILT: ("", ""),
     ZERO: ("centre of mass of what such a joint carries", ZERO_OR_CENTRE),
     ARMATURE: ("inertia of the link about the axis", ROTOR_OR_AXIS),
+    SPRING: ("", ""),
 }
 """Of an error of the model or of the torque's record: what it can never be told from, and both as one pair."""
 
@@ -258,6 +260,8 @@ def model_candidates(
         yield error(SENSOR, unseen, 1.0, ("share of rotors unseen", "1"))
     gain = GAIN_SPREAD.value, ("gain - 1", "1")
     for j, dof in enumerate(filtered.dof):
+        # a balancer, cables: beside an offset it pulls towards any place
+        yield error(SPRING, filtered.q[:, dof : dof + 1], np.inf, ("stiffness", "N m/rad"), of=j)
         yield error(ARMATURE, filtered.a[:, dof : dof + 1], np.inf, ("inertia", "kg m^2"), of=j)
         if not gain_known:
             yield error(MOTOR, rigid[:, dof : dof + 1], *gain, of=j)

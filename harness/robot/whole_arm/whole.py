@@ -29,6 +29,7 @@ from harness.robot.whole_arm.columns import (
     QUADRATIC,
     RIPPLE,
     SENSOR,
+    SPRING,
     STRIBECK,
     TILT,
     WITHIN_A_SAMPLE,
@@ -81,6 +82,7 @@ _SAID = {
     TILT: "The base is tilted: by {0} about x and {1} about y",
     ZERO: "Zeros of positions are off, which --offset puts right, by {all}",
     ARMATURE: "The inertia about the joint's axis is off by {0}",
+    SPRING: "A spring that the model has not pulls the joint: {0}",
 }
 
 _SEEN = 2.0
