@@ -8,6 +8,8 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from harness.core.budget import USUAL, Budget, given
 from harness.core.errors import InputError, SimulationError
 from harness.core.quantity import Quantity
@@ -47,7 +49,7 @@ from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left
-from harness.diagnosis.rules import COVARIATES, POOLING
+from harness.diagnosis.rules import COVARIATES, INTEGRATED, POOLING
 from harness.diagnosis.search.against import against
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search, under
@@ -148,6 +150,10 @@ def judge(found: Found) -> Judged:
     if clocked is not None:
         search, note = clocked
         found = replace(found, search=search, coarse=search, notes=(*found.notes, note))
+    if _by_an_integrator(found.search):
+        judgement = verdict_of(found.search)
+        rules = (*judgement.rules, INTEGRATED)
+        return Judged(found, replace(judgement, rules=rules))
     graded = _graded(found.search, found.scales)
     if graded is None:
         return Judged(found, verdict_of(found.search))
@@ -172,6 +178,15 @@ def judge(found: Found) -> Judged:
 
 def _instead(found: Found, search: Search, scales: Scales, *notes: str) -> Found:
     return replace(found, search=search, scales=scales, coarse=search, notes=(*found.notes, *notes))
+
+
+def _by_an_integrator(found: Search) -> bool:
+    """Whether no law explains a trace without noise, and what the base leaves of it may be its integrator's."""
+    problem = found.problem
+    if found.left is not Left.STRUCTURE or not problem.moves or any(one.found for one in problem.noise.values()):
+        return False
+    left = problem.left(found.base.shown)
+    return all(np.std(left[c]) < INTEGRATED.value * np.std(y) for c, y in problem.channels.items())
 
 
 def _graded(found: Search, scales: Scales) -> Graded | None:

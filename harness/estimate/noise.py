@@ -126,6 +126,9 @@ _LEAST_EVEN = 1e-2
 its last samples before a rest outweigh all others, along which a fit then cannot move: 6 of 14 run-downs told by the
 marks of a wheel ended far from their own truth at 1e-6, and none at 1e-2."""
 
+_FINEST_JITTER = 1e-4
+"""Of a step: of stamps that jitter by less, in a trace without noise, an integrator's error is seen."""
+
 
 @dataclass(frozen=True, slots=True)
 class Uneven:
@@ -175,8 +178,9 @@ class Uneven:
                 continue
             even, factor, gain = grows
             jitters = by is slope
-            # a sample is taken within its own step: what is larger is no stamp's
-            if jitters and factor > float(np.median(np.diff(t))) / math.sqrt(12.0):
+            step = float(np.median(np.diff(t)))
+            # a sample is taken within its own step: what is larger is no stamp's, nor what no clock would show
+            if jitters and not _FINEST_JITTER * step < factor <= step / math.sqrt(12.0):
                 continue
             more = factor**2 * by**2
             rest = max(noise.sigma**2 - float(np.mean(more)), even) if jitters else even

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import harness
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
@@ -352,3 +353,24 @@ def test_what_the_integrator_adds_counts_as_the_engines() -> None:
     assert seen.unexplained == pytest.approx(0.001)
     total = seen.engine + seen.parameters + seen.missing_physics + seen.unexplained + seen.noise
     assert total == pytest.approx(1.0)
+
+
+def test_what_an_own_integrator_does_at_reversals_is_no_name() -> None:
+    """Runge-Kutta at a step of 1 ms, with the sign of the speed as friction: 1e-4 of the motion is its error."""
+
+    def rate(y: FloatArray) -> FloatArray:
+        return np.array([y[1], -150.0 * y[0] - 0.3 * y[1] - 0.08 * np.sign(y[1])])
+
+    h, path = 1e-3, [np.array([0.03, 0.0])]
+    for _ in range(4000):
+        y = path[-1]
+        k1 = rate(y)
+        k2 = rate(y + 0.5 * h * k1)
+        k3 = rate(y + 0.5 * h * k2)
+        path.append(y + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + rate(y + h * k3)))
+    x, v = np.array(path).T
+    found = harness.diagnose(Recording(h * np.arange(x.size), {"x": x, "v": v}, "own.csv"), engines=())
+    assert found.verdict == "unexplained"
+    assert not found.mechanisms
+    assert "no more than an integrator may" in str(found)
+    assert found.baseline.parameters["zeta"].value == pytest.approx(0.3 / 2.0 / np.sqrt(150.0), rel=1e-3)

@@ -19,6 +19,7 @@ from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import (
     ADVISED,
     DECISIVE,
+    INTEGRATED,
     LEAST_CYCLES,
     MAIN_FROM,
     MOST_LIKELY,
@@ -84,6 +85,9 @@ def _untold(outcome: Outcome, words: Sequence[str], share: str, units: str) -> s
     most = "no term of the catalogue explains most of the misfit."
     if units:
         return f"{most} {_capital(units)}"
+    if INTEGRATED in outcome.rules:
+        few = f"less than {100.0 * INTEGRATED.value:g} % of it"
+        return f"this trace has no noise, and viscous and Coulomb friction leave {few}, no more than an integrator may."
     if words:
         return f"{most} The largest contribution is {words[0]} ({share} of the misfit)."
     if outcome.remainder is not None:
@@ -112,7 +116,7 @@ def _enough(outcome: Outcome, it: str, its: str) -> str:
     """That nothing is missing, as far as the recording was looked at, or which law is likelier and not decided for."""
     explain, problem = f"viscous and Coulomb friction explain {it} to {its} noise", outcome.problem
     first = max(outcome.posterior, key=lambda one: one.probability, default=None)
-    if first is not None and first.names:
+    if first is not None and first.names and outcome.stepping is None:
         likelier = f"{' with '.join(map(_plain, first.names))} may be missing (P {min(first.probability, _SURE):.2f})"
         return f"No missing physics is shown: {explain}. {_capital(likelier)}, which this evidence does not decide."
     friction = [q for name, q in outcome.base_parameters.items() if name in _FRICTION]
