@@ -174,6 +174,18 @@ def test_what_an_encoder_leaves_of_a_torque_is_noise_as_well(rate: float, counts
     assert all(0.5 < (one.over_noise or 0.0) < 1.3 for one in found.robot.arm.joints)
 
 
+def test_the_steps_of_a_torque_are_noise_as_well(tmp_path: Path) -> None:
+    """A current in whole counts: its error lasts as long as the torque stays on one level."""
+    t, q, _, torque = moved(3000, 250.0, F_K, C)
+    found = harness.diagnose_joint(
+        _written(tmp_path, t, q, np.round(torque / 0.1) * 0.1), tmp_path / "arm.xml", "all", engines=()
+    )
+    assert (found.verdict, found.mechanisms) == ("adequate", [])
+    assert found.robot is not None
+    assert found.robot.arm is not None
+    assert all((one.over_noise or 2.0) < 1.5 for one in found.robot.arm.joints)
+
+
 Change = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 CHANGES: dict[str, tuple[Change, str]] = {
     "signs": (lambda q, u: (q, -u), "--gain -1"),

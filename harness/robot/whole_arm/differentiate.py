@@ -44,9 +44,9 @@ class Filtered:
     torque (m, k) : N m or N. temperature (m, k) : degC, nan where it
     was not logged. good (m,) : away from gaps. band : of the recording. fine : band of t_fine, q_fine, v_fine
     (M, nv), from which columns are formed. out : band of the m samples before the ends were cut. velocity_noise (k,) :
-    standard deviation of v. position_step (k,) : rad, the encoder's. torque_noise (k,) : what white noise of the
-    recorded torque leaves after the filter, N m. acceleration_noise (nv,) : standard deviation of a. rests : by joint,
-    (r, 2), s, from when to when it stayed within its encoder's steps and noise for longer (rule sticks) than its
+    standard deviation of v. position_step (k,) : rad, the encoder's. torque_noise (k,) : what white noise and steps of
+    the recorded torque leave after the filter, N m. acceleration_noise (nv,) : standard deviation of a. rests : by
+    joint, (r, 2), s, from when to when it stayed within its encoder's steps and noise for longer (rule sticks) than its
     acceleration takes to turn it. seconds : of the log.
     notes : what was done, one sentence each.
     """
@@ -181,7 +181,7 @@ def differentiate(
     moved = band.filtered(torque, out, late=late)[0][kept]
     unheard = np.full(log.t.size, np.nan)
     warmth = np.stack([np.interp(t[kept], log.t, log.temperature.get(name, unheard)) for name in names], axis=1)
-    noises = tuple(math.sqrt(2.0 * white_sd(y) ** 2 / rate * cut) for y in torque.T)
+    noises = tuple(_noise_of(y, _quantum(log.effort[name]), rate, cut) for name, y in zip(names, torque.T, strict=True))
     return Filtered(
         names, dof, t[kept], position, speed, acceleration, moved, warmth, good[kept], band, fine, out,
         even[0] + np.arange(fine.size) / fine.rate, q_fine, v_fine, tuple(speeds), tuple(quanta), noises, bends,
@@ -226,6 +226,16 @@ def _lowpass(file: str, q: FloatArray, rate: float, given: float | None) -> floa
     share = np.cumsum(power) / max(float(np.sum(power)), 1e-300)
     held = float(f[min(int(np.searchsorted(share, _HELD)), f.size - 1)])
     return min(max(_ABOVE * held, _LOWEST), _HIGHEST, most)
+
+
+def _noise_of(torque: FloatArray, step: float, rate: float, cut: float) -> float:
+    """What noise and steps of a recorded torque (n,) leave behind the filter, N m.
+
+    An error of a step lasts as long as the torque stays on one level, and so much less of it a filter takes off.
+    """
+    held = torque.size / max(int(np.count_nonzero(np.diff(torque))), 1)
+    white, stepped = white_sd(torque) ** 2 * 2.0 * cut / rate, step**2 / 12.0
+    return math.sqrt(max(white, stepped * min(2.0 * cut * held / rate, 1.0)))
 
 
 def _quantum(q: FloatArray) -> float:
