@@ -379,7 +379,8 @@ def products(table: Table, mappings: dict[str, Mapping]) -> dict[str, tuple[Floa
             if mapping.unit is not None:
                 raise
             no_unit = channel == "t" or isinstance(error, NoUnitError)
-            unit = f"{quoted_of(table, mapping)}[{_SI.get(channel, 's')}]"
+            turns = channel == "u" and any(is_torque(table.names[table.position(name)]) for name in mapping.names)
+            unit = f"{quoted_of(table, mapping)}[{'Nm' if turns else _SI.get(channel, 's')}]"
             paste = {c: quoted_of(table, one) for c, one in mappings.items()} | {
                 channel: unit if no_unit else f"1*{unit}"
             }

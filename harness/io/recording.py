@@ -2,6 +2,7 @@
 
 import hashlib
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ from harness.core.bounded import MOST_BYTES, check_file, check_size
 from harness.core.errors import InputError
 from harness.core.recording import CHANNELS, LARGEST, LONGEST_TIME, MINIMUM_SAMPLES, Recording
 from harness.io.choose import as_angles, chosen, products, quoted_of, said, unscaled
-from harness.io.columns import Mapping, is_magnitude, parse_columns
+from harness.io.columns import Mapping, is_magnitude, is_no_motion, parse_columns
 from harness.io.edges import at_clocked_edges, at_edges
 from harness.io.join import joined
 from harness.io.logs.suspicions import FACTORS, NEAR, ratio, unsigned
@@ -182,7 +183,8 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     dated = counted_from(table, mappings)
     steady = "t" not in mappings and options.rate is None
     said_of = (said(table, mappings, {c: unit for c, (_, unit) in read.items()}, guessed), *choice.notes, step, turns)
-    notes: list[str | None] = [*said_of, _STEADY if steady else None, *unscaled(table, mappings, read)]
+    others = _beside(table, mappings, options) if steady else None
+    notes: list[str | None] = [*said_of, _STEADY if steady else None, others, *unscaled(table, mappings, read)]
     named = [table.position(name) for name in options.covariates]
     beside = dict(zip(options.covariates, table.read(named) if named else (), strict=True))
     sizes = {name: values.size for name, values in (*((c, y) for c, (y, _) in read.items()), *beside.items())}
@@ -241,6 +243,21 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
         mended=tuple(filter(None, mended)),
         steady=steady,
     )
+
+
+def _beside(table: Table, mappings: dict[str, Mapping], options: ReadOptions) -> str | None:
+    """The conditions that a table of held speeds holds besides, as a temperature, which nobody asked to act."""
+    read = {table.position(name) for one in mappings.values() for name in one.names}
+    found = []
+    for i in (i for i, name in enumerate(table.names) if i not in read and name and name not in options.covariates):
+        with suppress(InputError):
+            values = table.columns([i])[0]
+            if is_no_motion(table.names[i]) and np.nanmax(values) > np.nanmin(values):
+                found.append(table.names[i])
+    if not found:
+        return None
+    options_of = " ".join(f"--covariate '{name}'" for name in found)
+    return f"The table holds {' and '.join(found)} besides, whose effect counts as noise here: {options_of} asks it."
 
 
 Series = dict[str, FloatArray]

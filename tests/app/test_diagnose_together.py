@@ -134,6 +134,11 @@ def test_windows_belong_to_one_recording(driven: Done) -> None:
         diagnose_together(files, DiagnoseOptions(horizon=2.0))
 
 
+def test_conditions_are_read_as_a_german_spreadsheet_writes_them(tmp_path: Path) -> None:
+    (tmp_path / "tage.csv").write_text("\ufeffDatei;Temperatur [°C]\na.csv;20,5\nb.csv;\n", encoding="utf-8")
+    assert read_conditions(tmp_path / "tage.csv") == {"a.csv": {"Temperatur [°C]": 20.5}, "b.csv": {}}
+
+
 def test_a_series_is_told_as_a_trend_of_what_changes(tmp_path: Path) -> None:
     """Damping in proportion to the density of the air, dry friction not; a row without a number says nothing."""
     densities, random = [0.3, 0.6, 0.9, 1.2, 1.5], np.random.default_rng(2)

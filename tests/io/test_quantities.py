@@ -430,3 +430,14 @@ def test_a_count_of_few_marks_that_a_clock_samples_is_read_at_its_steps(tmp_path
     assert any("The count stands at most samples" in note for note in found.mended)
     fine = read_recording(written(tmp_path / "fine.csv", "time_s,turns [rev]", t, np.floor(100.0 * turns) / 100.0))
     assert fine.t.size == t.size
+
+
+def test_percent_of_a_torque_is_asked_in_newton_metres_and_a_temperature_is_told(tmp_path: Path) -> None:
+    v, temperature = np.tile(np.linspace(10.0, 200.0, 10), 2), np.repeat([20.0, 60.0], 10)
+    percent = written(tmp_path / "percent.csv", "speed (rpm),torque (%)", v, 5.0 + 0.01 * v)
+    with pytest.raises(InputError, match=r"u=1\*'torque \(%\)'\[Nm\]"):
+        read_recording(percent)
+    warm = written(tmp_path / "warm.csv", "speed [rpm],temperature [degC],torque [Nm]", v, temperature, 5.0 + 0.01 * v)
+    assert any("--covariate 'temperature' asks it" in note for note in read_recording(warm).notes)
+    asked_for = read_recording(warm, ReadOptions(covariates=("temperature",)))
+    assert not any("asks it" in note for note in asked_for.notes)

@@ -9,7 +9,21 @@ from harness.core.errors import InputError
 
 Conditions = Mapping[str, Mapping[str, float]]
 """By a recording's file name, numbers by name."""
-_FILE = "file"
+_FILE = (
+    "file",
+    "filename",
+    "recording",
+    "datei",
+    "dateiname",
+    "fichier",
+    "archivo",
+    "bestand",
+    "fil",
+    "plik",
+    "файл",
+    "文件",
+)
+"""What the column of files is called."""
 
 
 def in_order(known: Conditions, files: Sequence[str]) -> dict[str, list[float | None]]:
@@ -25,28 +39,32 @@ def in_order(known: Conditions, files: Sequence[str]) -> dict[str, list[float | 
 
 
 def read_conditions(path: Path) -> dict[str, dict[str, float]]:
-    """Conditions of logs from a CSV with a column ``file`` and numbers (temperature, day, hours run).
+    """Conditions of logs from a CSV with a column ``file``, in one of a few languages, and numbers (temperature, day,
+    hours run); with semicolons or tabs numbers may have a decimal comma.
 
     Raises InputError naming the file, and the line or column that is wrong.
     """
     try:
-        text = read_bytes(path, MEBIBYTE).decode()
+        text = read_bytes(path, MEBIBYTE).decode("utf-8-sig")
     except UnicodeDecodeError:
         raise InputError(str(path), "no text", "a CSV with a column file") from None
-    rows = csv.DictReader(text.splitlines())
-    if _FILE not in (rows.fieldnames or ()):
-        found = f"columns {', '.join(rows.fieldnames or ()) or 'none'}"
+    mark = next((one for one in ";\t" if one in text.partition("\n")[0]), ",")
+    rows = csv.DictReader(text.splitlines(), delimiter=mark)
+    fields = list(rows.fieldnames or ())
+    of_files = next((field for field in fields if field.strip().lower() in _FILE), None)
+    if of_files is None:
+        found = f"columns {', '.join(fields) or 'none'}"
         raise InputError(str(path), found, "a CSV with a column file and others of numbers")
     found_of: dict[str, dict[str, float]] = {}
-    for row in rows:
-        name = Path(row.pop(_FILE) or "").name
+    for number, row in enumerate(rows, 2):
+        name = Path(row.pop(of_files) or "").name
         found_of[name] = {}
         for column, value in row.items():
             if column is None or value in (None, ""):
                 continue
             try:
-                found_of[name][column] = float(str(value))
+                found_of[name][column] = float(str(value) if mark == "," else str(value).replace(",", "."))
             except ValueError:
-                where = f"{path}, line {rows.line_num}, column {column}"
+                where = f"{path}, line {number}, column {column}"
                 raise InputError(where, repr(value), "a number, or nothing") from None
     return found_of
