@@ -1,6 +1,6 @@
 """One way of the proof on all ways, unsealed: what is hidden, what is said, how far numbers are off.
 
-How far is in errors that count what could hide, where that is said.
+How far is in standard errors, and in those that count what could hide, too.
 """
 
 import json
@@ -34,7 +34,12 @@ def answer(seed: int, number: int, *, path: str) -> Answer:
     if "error" in said:
         return Answer(False, about + said["error"])
     off = {
-        name: round((p["value"] - one.answer["base"][name]) / math.hypot(p["stderr"], p.get("systematic") or 0.0), 1)
+        name: "{:.1f} ({:.1f})".format(
+            *(
+                (p["value"] - one.answer["base"][name]) / math.hypot(p["stderr"], hides)
+                for hides in (0.0, p.get("systematic") or 0.0)
+            )
+        )
         for name, p in said["refined"]["parameters"].items()
         if name in one.answer["base"] and p["value"] is not None and p["stderr"]
     }

@@ -12,6 +12,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 
@@ -44,7 +45,7 @@ def draws(current: Fit, problem: Q, scales: Scales, count: int) -> Iterator[tupl
     same = problem.measured.moving if problem.restoring is Restoring.NONE else None
     random = np.random.default_rng(0)
     for _ in range(count):
-        drawn = Measured.of_several([Measured.of(one.drawn(random)) for one in each], problem)
+        drawn = Measured.of_several([one.measured(random) for one in each], problem)
         if same is not None:
             drawn = drawn.part(same)
         again = replace(problem, fixed=drawn)
@@ -90,6 +91,10 @@ class _Moved:
             force = force + np.interp(drive.t, problem.t, self.noise.drawn(problem.t.size, random))
         return replace(problem, channels=channels, drive=replace(drive, u=force))
 
+    def measured(self, random: np.random.Generator) -> Measured:
+        """The same, smoothed as the recording was."""
+        return Measured.of(self.drawn(random), widest=self.problem.measured.widest)
+
 
 _STEP = 0.01
 """Of what decides: a descent whose step gains less would need twice its most steps to come to it."""
@@ -107,7 +112,8 @@ def beyond_chance(
     Chance takes what the best of ``further`` takes off a true model, the most of some draws. That is never more than a
     draw leaves: one that leaves too little to decide is not searched, and no search goes on when all is decided. What
     decides is far more than a hasty fit looks for: a descent ends where many of its steps would not come to it.
-    All of them where the model cannot be simulated: then it says nothing of what chance does.
+    Each law is begun there as it ended here, too: what follows noise is begun by the noise that it follows. All of
+    them where the model cannot be simulated: then it says nothing of what chance does.
     """
     with suppress(SimulationError):
         for before, drawn in draws(current, problem, scales, NULL_DRAWS.count):
@@ -115,11 +121,19 @@ def beyond_chance(
             decides = size * min(most for _, most in better)
             if before.chi2 < decides:
                 continue
-            for after in further(before, drawn, max(_STEP * decides / before.chi2, HASTY)):
+            as_here = _as_here([found for found, _ in better], drawn, scales)
+            for after in chain(as_here, further(before, drawn, max(_STEP * decides / before.chi2, HASTY))):
                 better = [(found, most) for found, most in better if before.chi2 - after.chi2 < size * most]
                 if not better:
                     return []
     return [found for found, _ in better]
+
+
+def _as_here(found: Sequence[Fit], drawn: Q, scales: Scales) -> Iterator[Fit]:
+    """Laws fitted to a draw, from the numbers that they have in the recording; those that can be."""
+    for one in found:
+        with suppress(SimulationError):
+            yield fit(one.model, drawn, one.free, scales)
 
 
 _WIDER = 4

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -44,7 +45,8 @@ class Measured:
     far enough from the ends of a stretch to be smoothed as the others are.
 
     laid : of several recordings one behind the other, each with its own clock. level : (n / block,), by which what is
-    left of each is weighed. stands : (n / block,), blocks in which it is at rest throughout.
+    left of each is weighed. stands : (n / block,), blocks in which it is at rest throughout. widest : half widths over
+    which most of each channel was smoothed.
     """
 
     t: FloatArray
@@ -57,19 +59,23 @@ class Measured:
     laid: tuple["Laid", ...] = ()
     level: FloatArray | None = None
     stands: BoolArray | None = None
+    widest: Mapping[str, int] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, problem: Forced, slow: float = GUARD_SPEED.value) -> "Measured":
+    def of(
+        cls, problem: Forced, slow: float = GUARD_SPEED.value, widest: Mapping[str, int] = MappingProxyType({})
+    ) -> "Measured":
         """From position or speed; a force that is held counts as it acts. Raises SimulationError when little moves.
 
-        slow : share of the rms speed, beside which nothing counts where the problem is guarded.
+        slow : share of the rms speed, beside which nothing counts where the problem is guarded. widest : half widths of
+        a recording that is to be smoothed alike.
         """
         if problem.alone:
             return cls.of_several([cls.of(one, slow) for one in problem.alone], problem)
         t = problem.t
         longest = longest_interval(t)
         smooth: dict[str, Smooth] = {
-            c: smoothed(t, y, longest, _least(problem, c), _ALIKE, everywhere=True)
+            c: smoothed(t, y, longest, _least(problem, c), _ALIKE, everywhere=True, widest=widest.get(c))
             for c, y in problem.channels.items()
             if c in ("x", "v")
         }
@@ -101,7 +107,8 @@ class Measured:
         if np.count_nonzero(moving) < BLOCK:
             raise SimulationError("the slider hardly moves")
         given = {name: smoothed_alike(t, y, longest, half)[:kept] for name, y in problem.covariates.items()}
-        return cls(t[:kept], x[:kept], v[:kept], a[:kept], u[:kept], moving, given, stands=stands)
+        chosen = {c: one.widest for c, one in smooth.items()}
+        return cls(t[:kept], x[:kept], v[:kept], a[:kept], u[:kept], moving, given, stands=stands, widest=chosen)
 
     @classmethod
     def of_several(cls, each: Sequence["Measured"], problem: Forced) -> "Measured":

@@ -37,7 +37,7 @@ def longest_interval(t: FloatArray) -> float:
 class Smooth:
     """Value, slope and second derivative of a channel at its samples (n,), standard errors of the first two.
 
-    half (n,) : samples to either side that each comes from.
+    half (n,) : samples to either side that each comes from. widest : of them.
     """
 
     value: FloatArray
@@ -46,6 +46,7 @@ class Smooth:
     value_sd: FloatArray
     slope_sd: FloatArray
     half: IntArray
+    widest: int
 
 
 def _factored(moments: FloatArray, count: int, lower: FloatArray, pivots: FloatArray) -> None:
@@ -151,15 +152,32 @@ def inner(t: FloatArray, longest: float, half: IntArray) -> BoolArray:
 
 
 def smoothed(
-    t: FloatArray, y: FloatArray, longest: float, sigma: float, alike: float = ALIKE, everywhere: bool = False
+    t: FloatArray,
+    y: FloatArray,
+    longest: float,
+    sigma: float,
+    alike: float = ALIKE,
+    everywhere: bool = False,
+    widest: int | None = None,
 ) -> Smooth:
     """Smooth a channel (n,) at t (n,), s, over the widest window that still leaves no more than the narrowest does.
 
     longest : interval (s) beyond which there is a gap, which no window spans. sigma : least noise. alike : by how much
     a wider cubic may miss more than the narrowest. everywhere : of each sample the widest so, and not of most: where a
-    slider stops, turns or starts, a wide cubic rounds off what it does.
+    slider stops, turns or starts, a wide cubic rounds off what it does. widest : that was chosen of another channel,
+    which is to be smoothed alike.
     """
     first, last = stretches(t, longest)
+    best = _widest(t, y, first, last, sigma, alike) if widest is None else widest
+    every = np.arange(t.size)
+    halves = _halves(t, y, first, last, best, sigma) if everywhere else np.full(t.size, best)
+    out = local(t, y, first, last, every, halves)
+    noise = max(math.sqrt(float(np.median(out[:, 5]))), sigma)
+    return Smooth(out[:, 0], out[:, 1], out[:, 2], noise * np.sqrt(out[:, 3]), noise * np.sqrt(out[:, 4]), halves, best)
+
+
+def _widest(t: FloatArray, y: FloatArray, first: IntArray, last: IntArray, sigma: float, alike: float) -> int:
+    """The widest half width with which most cubics leave no more than with the narrowest."""
     some = np.linspace(0, t.size - 1, min(t.size, _LOOKED_AT)).astype(np.int64)
     best, narrowest = _HALF_WIDTHS[0], 0.0
     for half in _HALF_WIDTHS:
@@ -172,11 +190,7 @@ def smoothed(
         elif left > alike * narrowest:
             break
         best = half
-    every = np.arange(t.size)
-    halves = _halves(t, y, first, last, best, sigma) if everywhere else np.full(t.size, best)
-    out = local(t, y, first, last, every, halves)
-    noise = max(math.sqrt(float(np.median(out[:, 5]))), sigma)
-    return Smooth(out[:, 0], out[:, 1], out[:, 2], noise * np.sqrt(out[:, 3]), noise * np.sqrt(out[:, 4]), halves)
+    return best
 
 
 def _cubics(t: FloatArray, y: FloatArray, first: IntArray, last: IntArray, at: IntArray, half: int) -> FloatArray:
