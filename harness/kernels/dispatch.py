@@ -75,7 +75,14 @@ def modulation(number: int, x: float, v: float, t: float, theta: FloatArray, o: 
         _given_friction(x, v, t, theta, o, out)
 
 
-(_presliding,) = laws(BRISTLES, "presliding")
+(
+    _presliding,
+    _presliding_free,
+) = laws(
+    BRISTLES,
+    "presliding",
+    "presliding:free",
+)
 
 
 @lean
@@ -85,6 +92,8 @@ def bristle_law(
     """Friction of a bristle (row 0), its rate, and partials."""
     if number == 0:
         _presliding(v, side, z, level, theta, o, out)
+    elif number == 1:
+        _presliding_free(v, side, z, level, theta, o, out)
 
 
 (

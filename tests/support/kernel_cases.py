@@ -68,6 +68,12 @@ def goal(m: Model) -> float:
     return 3e-5 if smoothed else (1e-5 if any(e.term.corner for e in m.terms) else 2e-6)
 
 
+def _bends(m: Model, by: By) -> float:
+    """How far a bristle bends, by whose deflection differences are taken; 0 for others."""
+    whose = (e for e, names in zip(m.terms, m.internal_names, strict=True) if by in names)
+    return next((e.presliding(m.f_k) or 0.0 for e in whose), 0.0)
+
+
 def difference_error(m: Model, t: FloatArray, drive: Drive | None = None) -> tuple[float, str, Solution]:
     """Largest error of dx, dv, da against differences of fourth order, relative to the size of each; where; the motion.
 
@@ -87,7 +93,7 @@ def difference_error(m: Model, t: FloatArray, drive: Drive | None = None) -> tup
     for time in s.events.t:
         clear &= np.abs(t - time) > 5e-3 / scales.omega
     for q, name in enumerate(by):
-        value = abs(value_of(m, name))
+        value = abs(value_of(m, name)) or _bends(m, name)
         step = relative * (value or {"v0": scales.v}.get(str(name), scales.x))
         near = [solve(moved(m, name, i * step), t, (), drive, scales, effort) for i in (1, -1, 2, -2)]
         for channel in ("x", "v", "a"):

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
-from harness.core.jit import lean
+from harness.core.arrays import FloatArray, read_only
+from harness.core.jit import compiled, lean
 from harness.model.law import (
     D_FREE,
     D_INTERNAL,
@@ -33,6 +33,7 @@ from harness.model.terms import (
     end_stop,
     friction_drift,
     power_law_damping,
+    presliding,
     quadratic_drag,
     regularised_friction,
     stiffness_drift,
@@ -221,6 +222,99 @@ def _stretched(values: Probe, motion: History) -> States:
     )
 
 
+_SETTLES = 0.01
+"""Share of the full deflection from which bristles near it in proportion, whatever the exponent: a root would end."""
+
+
+@lean
+def yielding(q: float, p: float) -> tuple[float, float, float]:
+    """What a bristle that lacks a share q of its full deflection gains of a way, its slope and its partial by p.
+
+    q |q|^(p-1), and in proportion to q close to 0.
+    """
+    q2 = q * q + _SETTLES * _SETTLES
+    grown = q2 ** (0.5 * (p - 1.0))
+    return q * grown, grown * (1.0 + (p - 1.0) * q * q / q2), 0.5 * q * grown * math.log(q2)
+
+
+def law_bristle(v: float, side: int, z: float, level: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """z' = v (1 - side sigma0 z/f_k)^p, f = sigma0 z + sigma1 z' (Dahl 1968)."""
+    sigma0, sigma1 = theta[o], theta[o + 1]
+    speed = max(side * v, 0.0)
+    q = 1.0 - side * sigma0 * z / level
+    gained, slope, by_p = yielding(q, theta[o + 2])
+    by_q = side * speed * slope
+    out[1, VALUE] = v + side * speed * (gained - 1.0)
+    out[1, D_V] = gained
+    out[1, D_LEVEL] = by_q * (1.0 - q) / level
+    out[1, D_PARAMETER] = -by_q * side * z / level
+    out[1, D_PARAMETER + 2] = side * speed * by_p
+    out[1, D_INTERNAL] = -by_q * side * sigma0 / level
+    out[0, VALUE] = sigma0 * z + sigma1 * out[1, VALUE]
+    out[0, D_V] = sigma1 * gained
+    out[0, D_LEVEL] = sigma1 * out[1, D_LEVEL]
+    out[0, D_PARAMETER] = z + sigma1 * out[1, D_PARAMETER]
+    out[0, D_PARAMETER + 1] = out[1, VALUE]
+    out[0, D_PARAMETER + 2] = sigma1 * out[1, D_PARAMETER + 2]
+    out[0, D_INTERNAL] = sigma0 + sigma1 * out[1, D_INTERNAL]
+
+
+@compiled
+def _bend(
+    t: FloatArray, v: FloatArray, at: FloatArray, sigma0: float, level: float, p: float, out: FloatArray
+) -> None:
+    """z along the recorded way and its partials by sigma0, p and f_k at the times ``at`` (m,); out (m, 4).
+
+    What is lacking fades by steps that are exact where it fades in proportion. Bristles are fully bent at first, in the
+    direction of the first motion.
+    """
+    rate = sigma0 / level
+    q, side = 1.0, 0.0
+    # partials of q by the rate and by p
+    by_rate, by_p = 0.0, 0.0
+    for k in range(v.size):
+        if v[k] != 0.0:
+            q, side = 0.0, 1.0 if v[k] > 0.0 else -1.0
+            break
+    i = 0
+    for j in range(at.size):
+        while i + 1 < t.size and t[i + 1] <= at[j]:
+            way = 0.5 * (v[i] + v[i + 1]) * (t[i + 1] - t[i])
+            i += 1
+            turned = 1.0 if way > 0.0 else -1.0
+            if turned != side:
+                q, by_rate, by_p = 2.0 - q, -by_rate, -by_p
+                side = turned
+            way *= side
+            middle, m_rate, m_p, share = q, by_rate, by_p, 0.5
+            for _ in range(2):
+                # by half a step to where the second, whole one takes its pace
+                q2 = middle * middle + _SETTLES * _SETTLES
+                pace = q2 ** (0.5 * (p - 1.0))
+                bend = (p - 1.0) * middle / q2
+                d_rate, d_p = pace * bend * m_rate, pace * (bend * m_p + 0.5 * math.log(q2))
+                fade = math.exp(-rate * pace * share * way)
+                middle = q * fade
+                m_rate = fade * by_rate - middle * share * way * (pace + rate * d_rate)
+                m_p = fade * by_p - middle * share * way * rate * d_p
+                share = 1.0
+            q, by_rate, by_p = middle, m_rate, m_p
+        bent = side * (1.0 - q) / rate
+        by = -bent / rate - side * by_rate / rate
+        out[j, 0], out[j, 1], out[j, 2] = bent, by / level, -side * by_p / rate
+        out[j, 3] = -by * rate / level
+
+
+def _bent(values: Probe, motion: History) -> States:
+    """As the recorded way has bent them, fully at first."""
+    sigma0, level = values[0], motion.f_k
+    if sigma0 <= 0.0 or level <= 0.0:
+        return States(np.zeros((motion.at.size, 1)))
+    found = np.zeros((motion.at.size, 4))
+    _bend(read_only(motion.t), read_only(motion.v), read_only(motion.at), sigma0, level, values[2], found)
+    return States(found[:, :1], {0: found[:, 1:2], 2: found[:, 2:3], "f_k": found[:, 3:]})
+
+
 @lean
 def passed_by(t: float, b: float) -> tuple[float, float]:
     """(1 - exp(-b t))/b, s, and its partial by b."""
@@ -368,6 +462,12 @@ RELAXING = _of(
     lambda values, span, speed: [(values[0], values[1], n) for n in (3.0, 20.0)],
     example=(30.0, 0.1, 5.0), internal=2, implied=_stretched,
     sentence="Two viscoelastic (Maxwell) branches relax, about {tau}, one so many times slower: k_m = {k_m}",
+)  # fmt: skip
+BRISTLE = _of(
+    presliding.TERM, law_bristle, Parameter("exponent", "1", 0.3, 3.0),
+    lambda values, span, speed: [(1.5 * values[0], values[1], 0.5), (0.6 * values[0], values[1], 1.7)],
+    example=(2000.0, 5.0, 1.4), internal=1, implied=_bent,
+    sentence="Friction builds up over a presliding displacement (bristle): sigma0 = {sigma0}, sigma1 = {sigma1}",
 )  # fmt: skip
 DRAG = _of(
     quadratic_drag.TERM, law_drag, Parameter("exponent", "1", 1.2, 5.0), _from(2.0), example=(0.2, 2.6),
