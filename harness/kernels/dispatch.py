@@ -78,10 +78,12 @@ def modulation(number: int, x: float, v: float, t: float, theta: FloatArray, o: 
 (
     _presliding,
     _presliding_free,
+    _presliding_free_yield,
 ) = laws(
     BRISTLES,
     "presliding",
     "presliding:free",
+    "presliding:free-yield",
 )
 
 
@@ -94,6 +96,8 @@ def bristle_law(
         _presliding(v, side, z, level, theta, o, out)
     elif number == 1:
         _presliding_free(v, side, z, level, theta, o, out)
+    elif number == 2:
+        _presliding_free_yield(v, side, z, level, theta, o, out)
 
 
 (

@@ -130,5 +130,7 @@ def workspace(
     own.count[:] = places, q
     own.z[:n], own.s[:n, :q] = start, start_s
     # what is added to, or written only where a law has something to say
-    own.jac[:n, :n] = own.by_theta[:n, :places] = own.size_s[:q] = 0.0
+    own.jac[:n, :n] = own.by_theta[:n, :places] = 0.0
+    # a sensitivity counts from where all of its parameter moves the state by the error that a step may have
+    own.size_s[:q] = 1.0 / np.where((columns >= 0) & (theta[columns] != 0.0), np.abs(theta[columns]), np.inf)
     return own.record
