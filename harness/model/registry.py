@@ -44,6 +44,12 @@ def forms_of(key: str) -> tuple[Term, ...]:
     return tuple(t for t in TERMS if t.frees == key)
 
 
+def other_forms_of(key: str) -> tuple[Term, ...]:
+    """Of a law whose form is free, the laws that free the same one otherwise."""
+    law = _BY_KEY[key].frees
+    return tuple(t for t in forms_of(law) if t.key != key) if law else ()
+
+
 def term(key: str) -> Term:
     """The term of this key ("end-stop", "end-stop:positive"); InputError lists the names there are."""
     found = _BY_KEY.get(key)

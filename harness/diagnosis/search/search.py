@@ -30,7 +30,8 @@ from harness.diagnosis.search.screen import applicable
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Scales
 from harness.model.model import Model, ModelTerm
-from harness.model.registry import NAMED, forms_of
+from harness.model.registry import NAMED, forms_of, term
+from harness.model.term import Term
 
 
 def freed(found: Fit, problem: Problem, scales: Scales) -> Fit | None:
@@ -39,13 +40,16 @@ def freed(found: Fit, problem: Problem, scales: Scales) -> Fit | None:
     return None if best is None else settle(best, problem, scales)
 
 
-def forms(found: Fit, problem: Problem, scales: Scales) -> Iterator[Fit]:
-    """A model with the form of each of its laws free, as far as it could be fitted."""
+def forms(
+    found: Fit, problem: Problem, scales: Scales, of: Callable[[str], tuple[Term, ...]] = forms_of
+) -> Iterator[Fit]:
+    """A model with the form of each of its laws free, as far as it could be fitted. of : what forms a law has."""
     base, terms = base_of(found.free), found.model.terms
     for i, entry in enumerate(terms):
-        for form in forms_of(entry.term.key):
+        for form in of(entry.term.key):
             assert form.freed is not None
-            for values in form.freed(entry.values, problem.duration, scales.v):
+            own = entry.values[: len(term(form.frees).parameters)]
+            for values in form.freed(own, problem.duration, scales.v):
                 model = replace(found.model, terms=(*terms[:i], ModelTerm(form, values), *terms[i + 1 :]))
                 with suppress(SimulationError):
                     yield fit(model, problem, free_of(model, base), scales, thorough=False)
