@@ -24,6 +24,8 @@ _FORCES = 1e3
 """Times the largest force of the motion: forces may cancel, but what is left of larger ones is lost in noise."""
 _ALIASED = 2.0
 """Times half the rate of the samples: a law faster than that half is dropped by ``within``, and must get there."""
+_FINER = 100.0
+"""Times finer than a sample's noise is what the motion of thousands of them shows of a bristle's length."""
 _UNITS = {
     "m": "m", "c": "N s/m", "k": "N/m", "f_k": "N", "offset": "m", "x0": "m", "v0": "m/s",
 }  # fmt: skip
@@ -35,7 +37,7 @@ class Reach:
     """The largest of what a recording shows, or of what follows from it in a motion of its frequency.
 
     begin, end : of its clock, s. fastest : half the rate of its samples, rad/s. x (m), v (m/s), a (m/s^2). force : of
-    its drive, N, 0 without one.
+    its drive, N, 0 without one. noise : of x, m, 0 without one.
     """
 
     begin: float
@@ -45,6 +47,7 @@ class Reach:
     v: float
     a: float
     force: float
+    noise: float
 
     @classmethod
     def of(cls, problem: Problem, scales: Scales) -> "Reach":
@@ -63,7 +66,8 @@ class Reach:
         force = 0.0 if problem.drive is None else _largest(problem.drive.u)
         step = float(np.median(np.diff(t))) if t.size > 1 else 0.0
         fastest = math.pi / step if step > 0.0 else math.inf
-        return cls(float(t[0]), float(t[-1]), fastest, size["x"], size["v"], size["a"], force)
+        noise = problem.noise["x"].sigma if "x" in problem.noise else 0.0
+        return cls(float(t[0]), float(t[-1]), fastest, size["x"], size["v"], size["a"], force, noise)
 
     @property
     def span(self) -> float:
@@ -129,6 +133,8 @@ def _ends(parameter: Parameter, reach: Reach, mass: float) -> tuple[float, float
     if parameter.unit == "s" and not parameter.relaxes:
         return -reach.span, reach.span
     high = reach.of_unit(parameter.unit, mass)
+    if parameter.bends and reach.noise > 0.0:
+        high = max(high, _FINER * max(reach.force, mass * reach.a) / reach.noise)
     return -high, high
 
 
