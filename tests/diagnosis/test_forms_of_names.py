@@ -1,7 +1,11 @@
 """One effect in another form than the catalogue's stays one name."""
 
+import math
+from collections.abc import Callable
+
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 import harness
@@ -43,3 +47,41 @@ def test_a_spring_that_relaxes_at_once_and_slowly_is_one_viscoelastic_spring() -
         x.append(float(state[0]))
         state = step @ state
     assert names(seen(np.array(x), 1e-5)) == ["viscoelastic"]
+
+
+C, F_K, K = 0.1, 0.4, 40.0
+
+
+def dahl_squared(w: float) -> float:
+    """What a bristle at the share w of its full deflection gains of a way; Dahl 1968, with an exponent of two."""
+    return (1.0 - w) * abs(1.0 - w)
+
+
+def elasto_plastic(w: float) -> float:
+    """The same, elastic up to a third and whenever it is let back (Dupont and others 2002)."""
+    r = min(max((w - 0.33) / 0.67, 0.0), 1.0)
+    return 1.0 - r * r * (3.0 - 2.0 * r) * w
+
+
+def on_bristles(gains: Callable[[float], float], bends: float) -> FloatArray:
+    """1 kg on a spring, let go at .3 m, whose bristles bend so far, m, until it slides."""
+
+    def law(t: float, state: FloatArray) -> list[float]:
+        x, v, z = state
+        way = gains(math.copysign(z / bends, z * v))
+        return [v, -K * x - C * v - F_K * z / bends, v * way]
+
+    found = solve_ivp(law, (0.0, T[-1]), (0.3, 0.0, 0.0), rtol=1e-8, atol=1e-10, max_step=5e-3, dense_output=True)
+    x: FloatArray = found.sol(T)[0]
+    return x
+
+
+@pytest.mark.parametrize(("gains", "near"), [(dahl_squared, 0.005), (elasto_plastic, 0.06)])
+def test_bristles_of_any_form_are_one_name_and_leave_the_other_numbers_right(
+    gains: Callable[[float], float], near: float
+) -> None:
+    recording = seen(on_bristles(gains, 0.006), 1e-5)
+    found = harness.diagnose(recording, restoring="spring", zero="spring", engines=())
+    assert found.mechanisms[0].name == "presliding"
+    for name, truth in (("zeta", C / (2.0 * math.sqrt(K))), ("x_k", F_K / K)):
+        assert found.refined.parameters[name].value == pytest.approx(truth, rel=near)

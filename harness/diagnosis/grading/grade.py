@@ -12,11 +12,12 @@ from harness.diagnosis.grading.contest import Contest, Finalist, decided, shown_
 from harness.diagnosis.grading.friction_split import resplit
 from harness.diagnosis.grading.misfit import Misfit
 from harness.diagnosis.grading.prediction import Predicted, free_run, held_out
-from harness.diagnosis.rules import POSTERIOR, TAKEN, Weights
+from harness.diagnosis.outcome import Grade
+from harness.diagnosis.rules import DECISIVE, POSTERIOR, TAKEN, Weights
 from harness.diagnosis.search.against import in_company
 from harness.diagnosis.search.extend import extend
 from harness.diagnosis.search.look import evidence as starting_evidence
-from harness.diagnosis.search.search import under
+from harness.diagnosis.search.search import freed, under
 from harness.model.model import Model
 from harness.model.registry import NAMED
 from harness.model.term import Evidence
@@ -57,13 +58,32 @@ def grade(misfit: Misfit, begun: Sequence[Model] = ()) -> Graded:
 
     What is named is held against what it was not fitted to.
     """
-    found = decided(Graded(misfit=misfit, finalists=tuple(ranked(misfit, begun))))
+    found = _in_its_form(decided(Graded(misfit=misfit, finalists=tuple(ranked(misfit, begun)))))
     if not found.named:
         return found
     predicted = each(lambda one: _predicted(one, misfit), (misfit.base, *(f.fit for f in found.named)))
     (base_held, base_run), *others = predicted
     named = tuple(replace(f, held=held, run=run) for f, (held, run) in zip(found.named, others, strict=True))
     return shown_as_part(replace(found, named=named, base_held=base_held, base_run=base_run))
+
+
+def _in_its_form(found: Graded) -> Graded:
+    """The first name in the form that says decidedly more than the catalogue's, by which it has its probability.
+
+    What hides has rarely the catalogue's own formula, and beside a formula that is off the other numbers are.
+    """
+    if found.grade not in (Grade.MAIN, Grade.ONE_OF):
+        return found
+    misfit, first = found.misfit, found.named[0]
+    bent = freed(first.fit, misfit.problem, misfit.scales)
+    if bent is None or not bent.as_named:
+        return found
+    noise = misfit.noise_left(bent)
+    usual, free = (misfit.evidence_of(one, noise) for one in (first.fit, bent))
+    if free <= usual + DECISIVE.value:
+        return found
+    share = (misfit.base.chi2 - bent.chi2) / (misfit.base.chi2 - misfit.floor(noise))
+    return replace(found, named=(replace(first, fit=bent, share=min(share, 1.0)), *found.named[1:]))
 
 
 def _predicted(one: Fit, misfit: Misfit) -> tuple[Predicted | None, Predicted | None]:
