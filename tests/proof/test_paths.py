@@ -100,6 +100,22 @@ def test_no_noise_hides_nothing_of_the_base() -> None:
     assert loss(rig, BARE) < 1e-6
 
 
+@pytest.mark.parametrize("path", ["free decay", "pendulum"])
+def test_what_damping_does_as_well_is_worth_nothing(path: str) -> None:
+    """A force in proportion to the speed is the base's own, however strong it is and wherever the fit begins."""
+    straight = np.zeros((3, plant.TABLE))
+    straight[1] = np.linspace(-2.0, 2.0, plant.TABLE)
+    for seed in range(3):
+        rig = draw_rig(path, np.random.default_rng(seed))
+        scales = rig.scales(rig.run(BARE))
+        strength = 0.1 * max(scales.c * scales.fast, 0.3 * scales.f_k)
+        more = numbers(
+            {plant.UNKNOWN: strength, plant.UNKNOWN_FORM: 1.0, plant.UNKNOWN_V: scales.fast, plant.UNKNOWN_X: 1.0},
+            scales,
+        )
+        assert loss(rig, more, straight) < 0.1
+
+
 def test_what_acts_in_ticks_that_no_sample_shows_is_unseen() -> None:
     chatter = np.random.default_rng(3).standard_normal(40_001)
     assert unseen(chatter, 1) < 1e-12

@@ -132,11 +132,7 @@ class Arm:
         run = self.run(p, tables)
         x, v = run[:, self.joint, 0], run[:, self.joint, 1]
         columns = [v, np.sign(v), np.ones_like(v)]
-        # friction that any wave of the position carries is an arm's law of that name
-        waves = [2.0 * math.pi * n / (np.ptp(x) or 1.0) * x for n in np.geomspace(0.25, 40.0, 50)]
-        carried = [np.sign(v) * np.stack((np.cos(one), np.sin(one))) for one in waves]
-        more = {"position-dependent-friction": carried}
-        return projected(x, v, self.dt, self._extra(run, p)[:, self.joint], columns, more)
+        return projected(x, v, self.dt, self._extra(run, p)[:, self.joint], columns)
 
     def right(self, names: tuple[str, ...]) -> list[str]:
         """Names with the joint that they are of; errors of the model are of none but a motor's."""

@@ -277,6 +277,9 @@ def laws(x: FloatArray, v: FloatArray, t: FloatArray) -> dict[str, list[FloatArr
         ],
         "presliding": [np.exp(-np.abs(w) / e) * side for e in (0.02, 0.05)],
     }
+    # whatever friction along the way looks like, its name is that of a slope or a wave of it
+    carried = [2.0 * math.pi * n for n in np.geomspace(0.25, 40.0, 50)]
+    found["position-dependent-friction"] += [side * np.stack((np.cos(n * q), np.sin(n * q))) for n in carried]
     turns = [2.0 * math.pi * n for n in np.geomspace(1.0, 40.0, 50)]
     found["force-ripple"] = [np.stack((np.cos(n * q), np.sin(n * q))) for n in turns]
     found["harmonic-force"] = [np.stack((np.cos(n * s), np.sin(n * s))) for n in turns]

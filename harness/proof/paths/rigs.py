@@ -1,10 +1,8 @@
 """Machines of each way, what their sensors show, and how much an effect is worth in them."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from types import MappingProxyType
 
 import numpy as np
 from scipy.linalg import cholesky_banded, orth, solve_banded
@@ -39,7 +37,14 @@ BARE = np.zeros(plant.SIZE)
 _NOISE = {"x": 0, "v": 0, "a": 1, "u": 2}
 _FAST = 1
 """Place of the noise of a joint's speed, which is logged beside its position."""
-_SMALL = 1e-6
+_USUAL = np.array([1.0, 0.1, 1e-3, 0.1, 1e-3, 1e-3])
+"""By which a base that is fitted to a motion may be off: of m, c, k and f_k their logarithms, of its start shares."""
+_STEP = 1e-3
+"""Of a difference, in what is usual: far more than reversals are found to."""
+_STAGES = ((0.1, "soft_l1", 8), (0.3, "soft_l1", 8), (0.6, "soft_l1", 8), (1.0, "linear", 20))
+"""Shares of a motion that a base is fitted to one after another, how squares count, and tries: the last half-cycle is
+another one where friction is a little off, and a sample beside a reversal lies on its other side, so that a descent
+from far off ends beside the best."""
 COMMANDED = 1e-4
 """Of its rms, what an amplifier adds to a force that is logged as it was asked for: none gives it better, and without
 it an effect of a hundred thousandth of the friction would show."""
@@ -165,18 +170,24 @@ def loss(rig: Rig, p: FloatArray, tables: FloatArray = NONE) -> float:
     told = [(c, rig.sigma[_NOISE[c]]) for c in rig.channels if c != "u"]
     span = float(np.max(np.abs(run[:, 0]))), float(np.max(np.abs(run[:, 1])))
 
-    def left(q: FloatArray) -> FloatArray:
-        b = rig.b.copy()
+    def left(z: FloatArray, share: float) -> FloatArray:
+        q, b = _USUAL * z, rig.b.copy()
         b[:4] *= np.exp(np.clip(q[:4], -5.0, 5.0) * ([rig.driven, 1.0, 1.0, 1.0] * (b[:4] > 0.0)))
         again = rig.run(BARE, NONE, b, (rig.start[0] + q[4] * span[0], rig.start[1] + q[5] * span[1]))
-        bare = shown(rig, again, BARE)
-        parts = [(seen[c] - bare[c]) / sigma for c, sigma in told]
+        bare, until = shown(rig, again, BARE), math.ceil(share * len(run))
+        parts = [(seen[c] - bare[c])[:until] / sigma for c, sigma in told]
         parts[0] = parts[0] - (np.mean(parts[0]) if "x" in rig.channels and rig.zero else 0.0)
         return np.nan_to_num(np.concatenate(parts), nan=1e6, posinf=1e6, neginf=-1e6)
 
-    scale = [1e-3, 0.1, 1e-3, 0.1, 1e-3, 1e-3]
-    found = least_squares(left, np.zeros(6), x_scale=scale, diff_step=_SMALL, max_nfev=15)
-    worth = float(found.cost) * effective(rig)
+    def slopes(z: FloatArray, share: float) -> FloatArray:
+        here = left(z, share)
+        return np.column_stack([(left(z + step, share) - here) / _STEP for step in _STEP * np.eye(6)])
+
+    z, cost = np.zeros(6), 0.0
+    for share, counts, tries in _STAGES:
+        found = least_squares(left, z, slopes, loss=counts, max_nfev=tries, args=(share,))
+        z, cost = found.x, float(found.cost)
+    worth = cost * effective(rig)
     if not rig.driven:
         return worth
     extra, columns = extra_force(rig, run)
@@ -261,16 +272,15 @@ def laws_of(rig: Rig, p: FloatArray, tables: FloatArray) -> dict[str, float]:
 
 
 def projected(
-    x: FloatArray, v: FloatArray, dt: float, extra: FloatArray, columns: list[FloatArray],
-    more: Mapping[str, list[FloatArray]] = MappingProxyType({}),
-) -> dict[str, float]:  # fmt: skip
-    """The share of a force's squares, (n,), that each law takes beside columns along a motion; more : further forms."""
+    x: FloatArray, v: FloatArray, dt: float, extra: FloatArray, columns: list[FloatArray]
+) -> dict[str, float]:
+    """The share of a force's squares, (n,), that each law takes beside columns along a motion."""
     moving = np.abs(v) > 0.02 * np.max(np.abs(v))
     basis = orth(np.column_stack([c[moving] / max(np.max(np.abs(c)), 1e-300) for c in columns]), 1e-9)
     y = extra[moving] - basis @ (basis.T @ extra[moving])
     found: dict[str, float] = {}
     for name, tries in laws(x[moving], v[moving], dt * np.flatnonzero(moving).astype(np.float64)).items():
-        for law in (*tries, *(one[..., moving] for one in more.get(name, ()))):
+        for law in tries:
             own = np.atleast_2d(law).T
             left = _without(y, [*(own - basis @ (basis.T @ own)).T])
             found[name] = max(found.get(name, 0.0), 1.0 - float(np.sum(left**2) / max(np.sum(y**2), 1e-300)))
