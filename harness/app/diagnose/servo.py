@@ -253,8 +253,7 @@ def _result(
         }
     )
     clean = best.rms <= _NEAR_FLOOR * least
-    quiet = base.rms <= _NEAR_FLOOR * least
-    grades = [_grade(found.steps, i, clean, quiet) for i in range(len(found.steps))]
+    grades = [_grade(found.steps, i, clean) for i in range(len(found.steps))]
     named = any(grade != "minor" for grade in grades)
     verdict = ("missing_physics" if clean else "main_effect") if named else "adequate" if clean else "unexplained"
     ties = _ties(found.steps) if "one-of" in grades else []
@@ -335,15 +334,10 @@ def _not_told(ties: Sequence[tuple[Term, float]], steps: Sequence[Step]) -> str:
     return f" Not ruled out in place of {steps[0].term.name}: {', '.join(t.name for t, _ in ties)}." if ties else ""
 
 
-def _grade(steps: Sequence[Step], place: int, clean: bool, quiet: bool) -> str:
-    """Of a term by its place, the most needed first; clean : whether the fit with all of them leaves no more than the
-    sensor; quiet : whether that without any does: what hardly foretells more may then be of the simulation alone.
-    """
+def _grade(steps: Sequence[Step], place: int, clean: bool) -> str:
+    """Of a term by its place, the most needed first; clean : whether all leave no more than the sensor."""
     before, after = steps[place].held_out
-    foretold = after < _MAIN * before
-    much = foretold or not math.isfinite(before)
-    if quiet and not foretold:
-        return "minor"
+    much = not math.isfinite(before) or after < _MAIN * before
     if place == 0 and _ties(steps):
         return "one-of"
     if clean:
