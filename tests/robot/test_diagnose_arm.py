@@ -322,3 +322,16 @@ def test_a_torque_that_nothing_explains_is_refused_without_an_option(
     assert not found.mechanisms
     assert "does not follow the model's" in found.statement
     assert "Try" not in found.statement
+
+
+def test_a_torque_that_chatters_between_samples_says_nothing_against_its_model(
+    motion: tuple[np.ndarray, ...], tmp_path: Path
+) -> None:
+    """What a controller does between samples is as large in them, and moves a joint by its mean alone."""
+    t, q, torque = motion
+    chatter = 30.0 * np.std(torque, axis=0) * np.random.default_rng(2).standard_normal(torque.shape)
+    found = harness.diagnose_joint(
+        _written(tmp_path, t, q, torque + chatter), tmp_path / "arm.xml", "elbow", engines=()
+    )
+    assert "its mean is not logged" in found.statement
+    assert "another model" not in found.statement

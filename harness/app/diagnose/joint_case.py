@@ -164,6 +164,9 @@ def unfitted(case: JointCase, found: Coupling, broken: MechanismResult | None = 
     nothing = FitResult.model_validate({"parameters": refused, "rmse": {}, "chi2_per_point": None})
     mend = f" Try: {compared.option}" if compared.option else " No option mends that: look for another model or log."
     said = f"Log and model do not go together: {compared.statement}.{mend}"
+    if compared.unlogged:
+        more = "A log of every cycle of the controller, or of the mean since the sample before, tells it."
+        said = f"Log and model cannot be compared: {compared.statement}. {more}"
     if broken is not None:
         said = f"{case.joint}{', the other joints locked' if own.held else ''}. {broken.statement}"
     with leaving(f"diagnose-{case.name}", case.out) as output:

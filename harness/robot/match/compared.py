@@ -35,6 +35,8 @@ UNITS: Mapping[str, float] = {
     "ozf in": 141.6119,
 }
 """What one newton metre is in them."""
+_JUMPS = 0.5
+"""Of a torque's power, in what it changes by from sample to sample, from which on its samples hardly say its mean."""
 _ALIKE = 2.0
 """Standard errors within which a slope is one."""
 _THOUSANDTHS = 2e-3
@@ -65,11 +67,13 @@ class Match:
 @dataclass(frozen=True, slots=True)
 class Compared:
     """matches : one a joint with effort. statement : what is wrong, in a sentence, "" for nothing. option : of the
-    command, that mends all of it, "" where none does."""
+    command, that mends all of it, "" where none does. unlogged : whether what acts between samples is all that is
+    wrong."""
 
     matches: tuple[Match, ...]
     statement: str = ""
     option: str = ""
+    unlogged: bool = False
 
     def fits(self, joint: str) -> bool:
         """Whether log and model go together as far as a joint is concerned: others whose torque alone is strange do not
@@ -83,7 +87,7 @@ class Compared:
 class _Joint:
     """What a joint's torque says. slope : by gravity, or by inertia where that does not show. whole : by both. friction
     : by friction alone is so large a share explained; left : and such a share by neither friction nor the model. lost,
-    lost_error : power of friction, W."""
+    lost_error : power of friction, W. jumps : whether its samples hardly say the torque between them."""
 
     name: str
     by: str = ""
@@ -94,6 +98,7 @@ class _Joint:
     left: float = 0.0
     lost: float = 0.0
     lost_error: float = math.inf
+    jumps: bool = False
 
     @property
     def told(self) -> Slope | None:
@@ -174,7 +179,8 @@ def _looked_at(sampled: Sampled, arm: Arm) -> list[_Joint]:
         alone = 1.0 - float(np.var(fitted(friction, u)[1]) / np.var(u))
         share, whole = float(np.var(left) / np.var(u)), slope(u, rigid, friction)
         offset, lost = float(numbers[-1]), loss(u, rigid, friction)
-        joints.append(_Joint(name, by if found else "", found, whole, offset, alone, share, *lost))
+        jumps = sampled.jumps[j] > _JUMPS
+        joints.append(_Joint(name, by if found else "", found, whole, offset, alone, share, *lost, jumps=jumps))
     return joints
 
 
@@ -215,6 +221,11 @@ def _judged(joints: Sequence[_Joint], changes: Sequence[Change], given: Mapping[
         own += ["its torque has the other sign"] if one.name in turned else []
         own += [unit] if unit and (one.name in gains or _in_thousandths(joints)) else []
         matches.append(_match(one, own, option, one.name in strange))
+    if strange and not said and all(one.jumps for one in joints if one.name in strange):
+        said = [
+            f"the torque of {_listed(strange, len(joints))} jumps from sample to sample, and its mean is not logged"
+        ]
+        return Compared(tuple(matches), said[0], unlogged=True)
     if strange:
         said.append(f"the torque of {_listed(strange, len(joints))} does not follow the model's")
     if len(strange) > len(joints) / 2.0 and not option:

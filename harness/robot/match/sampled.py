@@ -58,8 +58,9 @@ _TENTHS = 10
 @dataclass(frozen=True, slots=True)
 class Sampled:
     """joints (k,) : that move and were logged with effort. dof (k,) : their places in the arm. q, v, a (m, nv) :
-    low-passed, rad or m, per s, per s^2. torque (m, k) : low-passed alike, N m or N. gravity (3,) : m/s^2, where it is
-    not the model's."""
+    low-passed, rad or m, per s, per s^2. torque (m, k) : low-passed alike, N m or N. jumps (k,) : mean square by which
+    each logged torque changes from one sample to the next over twice its variance, 1 of what no sample foretells.
+    gravity (3,) : m/s^2, where it is not the model's."""
 
     joints: tuple[str, ...]
     dof: tuple[int, ...]
@@ -67,6 +68,7 @@ class Sampled:
     v: FloatArray
     a: FloatArray
     torque: FloatArray
+    jumps: tuple[float, ...]
     gravity: FloatArray | None = None
 
     @classmethod
@@ -78,7 +80,8 @@ class Sampled:
         joints = tuple(name for name in moving(arm, log) if name in log.effort)
         torque = [even.low(log.t, log.effort[name])[0][thin] for name in joints]
         dof = tuple(arm.joints.index(name) for name in joints)
-        return cls(joints, dof, q, v, a, np.column_stack(torque) if torque else np.empty((q.shape[0], 0)))
+        jumps = tuple(_jumping(log.effort[name]) for name in joints)
+        return cls(joints, dof, q, v, a, np.column_stack(torque) if torque else np.empty((q.shape[0], 0)), jumps)
 
     def every(self, step: int) -> "Sampled":
         """Every so manieth sample."""
@@ -97,6 +100,13 @@ class Sampled:
         kept = np.abs(v) > _MOVING * float(np.max(np.abs(v), initial=0.0))
         v = v[kept]
         return kept, np.column_stack((np.sign(v), v, np.ones_like(v)))
+
+
+def _jumping(u: FloatArray) -> float:
+    """Of a torque (n,); see ``Sampled`` (von Neumann 1941)."""
+    known = u[np.isfinite(u)]
+    varies = float(np.var(known)) if known.size > 1 else 0.0
+    return float(np.mean(np.diff(known) ** 2)) / (2.0 * varies) if varies > 0.0 else 0.0
 
 
 def fitted(columns: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
