@@ -45,9 +45,12 @@ def forms_of(key: str) -> tuple[Term, ...]:
 
 
 def other_forms_of(key: str) -> tuple[Term, ...]:
-    """Of a law whose form is free, the laws that free the same one otherwise."""
-    law = _BY_KEY[key].frees
-    return tuple(t for t in forms_of(law) if t.key != key) if law else ()
+    """Of a law whose form is free and that keeps the numbers of the one it frees, those that free this otherwise."""
+    free = _BY_KEY[key]
+    law = _BY_KEY[free.frees] if free.frees else None
+    if law is None or free.names[: len(law.names)] != law.names:
+        return ()
+    return tuple(t for t in forms_of(law.key) if t.key != key)
 
 
 def term(key: str) -> Term:
