@@ -47,8 +47,9 @@ class Quantity:
         power = power if power < _SMALLEST or power > _LARGEST else 0
         value, error = self.value / 10.0**power, self.stderr / 10.0**power
         decimals = _decimals(error)
-        # a value below its error keeps the error's digits
-        text = f"{round(value, decimals):.{max(decimals, 0)}f} +- {round(error, decimals):.{max(decimals, 0)}f}"
+        # a value below its error keeps the error's digits, and one below its last digit has no sign
+        shown, places = round(value, decimals) + 0.0, max(decimals, 0)
+        text = f"{shown:.{places}f} +- {round(error, decimals):.{places}f}"
         return f"({text})e{power:+03d}{unit}" if power else f"{text}{unit}"
 
 

@@ -18,6 +18,8 @@ from harness.core.quantity import Quantity
         (5.0, 0.0299, "5.00 +- 0.03 N/m"),
         (1.0, 9.96, "1 +- 10 N/m"),
         (-3.456, 0.25, "-3.46 +- 0.25 N/m"),
+        (-0.04, 9.0, "0 +- 9 N/m"),
+        (-4e-13, 9.1e-10, "(0 +- 9)e-10 N/m"),
     ],
 )
 def test_two_digits_of_an_error_that_begins_with_one_or_two_else_one(value: float, stderr: float, text: str) -> None:
