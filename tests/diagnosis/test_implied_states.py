@@ -1,5 +1,6 @@
 """What a motion implies: internal states, cubics as wide as it lets them be, the force that is left over."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -16,9 +17,9 @@ from harness.diagnosis.motion import Motion, motion_of
 from harness.diagnosis.smoothed_state.local_cubics import longest_interval, smoothed
 from harness.estimate.noise import Noise
 from harness.exact.decay import Decay, free_decay
-from harness.model.term import History
+from harness.model.registry import term
+from harness.model.term import History, States
 from harness.model.terms.attached_mode import ridden
-from harness.model.terms.presliding import bent
 
 SIGMA, F_K = 500.0, 2.0
 TIMES: FloatArray = np.asarray(np.arange(30001) * 1e-4, dtype=np.float64)
@@ -34,28 +35,54 @@ def history(f_k: float = F_K) -> History:
     return History(TIMES, v, AT, np.interp(AT, TIMES, v), f_k)
 
 
-def test_bristles_bend_along_the_way_as_the_equation_in_time_says() -> None:
-    """z' = v - sigma0 |v| z / f_k (Dahl 1968), fully bent at first."""
-    exact = solve_ivp(
-        lambda t, z: [speed(t) - SIGMA * abs(speed(t)) * z[0] / F_K],
-        (0.0, 3.0), [F_K / SIGMA], t_eval=AT, rtol=1e-10, atol=1e-14,
-    ).y[0]  # fmt: skip
-    assert bent((SIGMA, 1.0), history()).values.ravel() == pytest.approx(exact, rel=1e-6)
+GAINS: dict[tuple[str, tuple[float, ...]], Callable[[float], float]] = {
+    ("presliding", ()): lambda w: 1.0 - w,
+    ("presliding:free", (0.7,)): lambda w: max(1.0 - w, 0.0) ** 0.7,
+    ("presliding:free", (1.7,)): lambda w: max(1.0 - w, 0.0) ** 1.7,
+    ("presliding:free-yield", (4.0,)): lambda w: 1.0 - max(w, 0.0) ** 4.0,
+}
+"""What bristles at a share w of their full deflection gain of a way, by the law and the shape that is free."""
 
 
-def test_their_partials_are_differences() -> None:
-    found = bent((SIGMA, 1.0), history()).by
-    h = 1e-4
-    by_sigma = (bent((SIGMA + h, 0.0), history()).values - bent((SIGMA - h, 0.0), history()).values) / (2.0 * h)
-    by_level = (bent((SIGMA, 0.0), history(F_K + 1e-7)).values - bent((SIGMA, 0.0), history(F_K - 1e-7)).values) / 2e-7
-    assert found[0] == pytest.approx(by_sigma, rel=1e-5)
-    assert found["f_k"] == pytest.approx(by_level, rel=1e-5)
+def bent(key: str, values: tuple[float, ...], motion: History) -> States:
+    law = term(key)
+    assert law.implied is not None
+    return law.implied(values, motion)
+
+
+@pytest.mark.parametrize(("key", "shape"), GAINS)
+def test_bristles_bend_along_the_way_as_the_equation_in_time_says(key: str, shape: tuple[float, ...]) -> None:
+    """z' = v g(w), w = sigma0 z/f_k in the direction of v (Dahl 1968; Bouc, Wen), fully bent at first."""
+    gains = GAINS[key, shape]
+
+    def rate(t: float, z: FloatArray) -> list[float]:
+        v = speed(t)
+        return [v * gains(float(np.copysign(SIGMA * z[0] / F_K, z[0] * v)))]
+
+    exact = solve_ivp(rate, (0.0, 3.0), [F_K / SIGMA], t_eval=AT, rtol=1e-10, atol=1e-14, max_step=1e-3).y[0]
+    # close to the full deflection the free exponent fades in proportion
+    assert bent(key, (SIGMA, 1.0, *shape), history()).values.ravel() == pytest.approx(
+        exact, rel=1e-3 if shape else 1e-6
+    )
+
+
+@pytest.mark.parametrize(("key", "shape"), GAINS)
+def test_their_partials_are_differences(key: str, shape: tuple[float, ...]) -> None:
+    values = np.array([SIGMA, 1.0, *shape])
+    found = bent(key, tuple(values), history()).by
+    for i in range(0, values.size, 2):
+        h = 1e-6 * values[i] * np.eye(values.size)[i]
+        more, less = (bent(key, tuple(values + sign * h), history()).values for sign in (1.0, -1.0))
+        assert found[i] == pytest.approx((more - less) / (2.0 * h[i]), rel=1e-5, abs=1e-11)
+    more, less = (bent(key, tuple(values), history(F_K + h)).values for h in (1e-7, -1e-7))
+    assert found["f_k"] == pytest.approx((more - less) / 2e-7, rel=1e-5)
 
 
 def test_what_never_moved_or_has_no_friction_is_not_bent() -> None:
     still = History(np.array([0.0, 1.0]), np.zeros(2), np.array([1.0]), np.zeros(1), F_K)
-    assert bent((SIGMA, 0.0), still).values.item() == 0.0
-    assert bent((SIGMA, 0.0), history(0.0)).values.ravel() == pytest.approx(np.zeros(3))
+    for key, shape in GAINS:
+        assert bent(key, (SIGMA, 0.0, *shape), still).values.item() == 0.0
+        assert bent(key, (SIGMA, 0.0, *shape), history(0.0)).values.ravel() == pytest.approx(np.zeros(3))
 
 
 def test_a_mass_that_rides_along_is_shaken_as_its_equation_says() -> None:

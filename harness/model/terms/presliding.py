@@ -1,13 +1,9 @@
 """Presliding displacement of a bristle (Dahl; with Stribeck: LuGre)."""
 
-import math
-
-import numpy as np
-
-from harness.core.arrays import FloatArray, read_only
-from harness.core.jit import compiled
+from harness.core.arrays import FloatArray
+from harness.model.bristles import bent
 from harness.model.law import D_INTERNAL, D_LEVEL, D_PARAMETER, D_V, VALUE
-from harness.model.term import REST, Evidence, History, Parameter, Probe, Slot, States, Term, always
+from harness.model.term import REST, Evidence, Parameter, Probe, Slot, Term, always
 
 
 def law(v: float, side: int, z: float, level: float, theta: FloatArray, o: int, out: FloatArray) -> None:
@@ -36,45 +32,6 @@ def probes(e: Evidence) -> list[Probe]:
     return [(ratio * k, damping * (ratio * k) ** 0.5) for ratio in (2.0, 6.0, 18.0) for damping in (0.0, 0.3)]
 
 
-@compiled
-def _bend(t: FloatArray, v: FloatArray, at: FloatArray, sigma0: float, level: float, out: FloatArray) -> None:
-    """z along the recorded way and its partials by sigma0 and f_k at the times ``at`` (m,); out (m, 3).
-
-    Along a way s in one direction z nears side f_k/sigma0 as exp(-sigma0 s/f_k), whatever the speed (Dahl 1968).
-    Bristles are fully bent at first, in the direction of the first motion.
-    """
-    ends = level / sigma0
-    z, by_sigma, by_level = 0.0, 0.0, 0.0
-    for k in range(v.size):
-        if v[k] != 0.0:
-            side = 1.0 if v[k] > 0.0 else -1.0
-            z, by_sigma, by_level = side * ends, -side * ends / sigma0, side / sigma0
-            break
-    i = 0
-    for j in range(at.size):
-        while i + 1 < t.size and t[i + 1] <= at[j]:
-            way = 0.5 * (v[i] + v[i + 1]) * (t[i + 1] - t[i])
-            side = 1.0 if way > 0.0 else -1.0
-            share = side * way / ends
-            fade = math.exp(-share)
-            gap = z - side * ends
-            by_sigma = fade * (by_sigma - gap * share / sigma0) - (1.0 - fade) * side * ends / sigma0
-            by_level = fade * (by_level + gap * share / level) + (1.0 - fade) * side / sigma0
-            z = side * ends + gap * fade
-            i += 1
-        out[j, 0], out[j, 1], out[j, 2] = z, by_sigma, by_level
-
-
-def bent(values: Probe, motion: History) -> States:
-    """As the recorded way has bent them, fully at first."""
-    sigma0, level = values[0], motion.f_k
-    if sigma0 <= 0.0 or level <= 0.0:
-        return States(np.zeros((motion.at.size, 1)))
-    found = np.zeros((motion.at.size, 3))
-    _bend(read_only(motion.t), read_only(motion.v), read_only(motion.at), sigma0, level, found)
-    return States(found[:, :1], {0: found[:, 1:2], "f_k": found[:, 2:]})
-
-
 TERM = Term(
     "presliding",
     "friction",
@@ -87,7 +44,7 @@ TERM = Term(
     needs=("returns",),
     example=(2000.0, 5.0),
     corner=True,
-    implied=bent,
+    implied=bent(yields=False),
     place=always("reversal", "after each reversal, until the bristles slide"),
     told_from={"regularised-friction": REST},
     taken=0.1,

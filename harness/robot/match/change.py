@@ -96,6 +96,19 @@ def mended(
     return other, tuple(found)
 
 
+def _beside_friction(sampled: Sampled, known: FloatArray, columns: FloatArray) -> FloatArray:
+    """What torques hold beyond those that are known (m, k), and columns (m, k, c) that may be in it, (n, 1 + c): of all
+    joints, each less its friction and over its own torque.
+    """
+    rows = []
+    for j in range(len(sampled.joints)):
+        kept, friction = sampled.moves(j)
+        torque = sampled.torque[kept, j]
+        left = fitted(friction, np.column_stack((torque - known[kept, j], columns[kept, j])))[1]
+        rows.append(left / max(float(np.std(torque)), 1e-12))
+    return np.concatenate(rows)
+
+
 def with_load_of(sampled: Sampled, arm: Arm) -> Arm | None:
     """The arm with the load at its end that explains most of the torques; None where that would weigh nothing."""
     thin = _thin(sampled)
@@ -105,14 +118,7 @@ def with_load_of(sampled: Sampled, arm: Arm) -> Arm | None:
 
     before, middle = rigid(arm), rigid(with_load(arm, _KG)) / _KG
     moments = [(rigid(with_load(arm, _KG, _BESIDE * axis)) / _KG - middle) / _BESIDE for axis in np.eye(3)]
-    columns = np.stack((middle - before / _KG, *moments), axis=2)
-    rows = []
-    for j in range(len(thin.joints)):
-        kept, friction = thin.moves(j)
-        torque = thin.torque[kept, j]
-        left = fitted(friction, np.column_stack((torque - before[kept, j], columns[kept, j])))[1]
-        rows.append(left / max(float(np.std(torque)), 1e-12))
-    every = np.concatenate(rows)
+    every = _beside_friction(thin, before, np.stack((middle - before / _KG, *moments), axis=2))
     found = np.linalg.lstsq(every[:, 1:], every[:, 0], rcond=1e-8)[0]
     kg = float(found[0])
     return with_load(arm, kg, np.asarray(found[1:]) / kg) if kg > _LIGHTEST else None
@@ -170,13 +176,7 @@ def _turned(sampled: Sampled, arm: Arm) -> tuple[Change, Sampled] | None:
         return None
     without = np.add(*replace(sampled, gravity=np.zeros(3)).rigid(arm))
     each = [np.add(*replace(sampled, gravity=size * axis).rigid(arm)) - without for axis in np.eye(3)]
-    columns, rows = np.stack(each, axis=2), []
-    for j in range(len(sampled.joints)):
-        kept, friction = sampled.moves(j)
-        torque = sampled.torque[kept, j]
-        left = fitted(friction, np.column_stack((torque - without[kept, j], columns[kept, j])))[1]
-        rows.append(left / max(float(np.std(torque)), 1e-12))
-    every = np.concatenate(rows)
+    every = _beside_friction(sampled, without, np.stack(each, axis=2))
     found, _, rank, _ = np.linalg.lstsq(every[:, 1:], every[:, 0], rcond=_FELT)
     felt = float(np.linalg.norm(found))
     if rank < len(found) and felt < 1.0:
