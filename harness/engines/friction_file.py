@@ -10,7 +10,7 @@ import re
 from harness.model.model import Model, ModelTerm
 from harness.model.term import Slot
 
-_HEAD = '''"""Friction of {plain}: {said}.
+_HEAD = '''"""Friction of {plain}: {said}.{lacking}
 
 Written by friction-harness; it needs numpy and the engine alone. N m and rad of a hinge, N and m of a slide.
 
@@ -56,6 +56,8 @@ def attach(model, data, joint=JOINT):
     j, state = model.joint(joint).id, START
     at, dof = model.jnt_qposadr[j], model.jnt_dofadr[j]
     model.dof_frictionloss[dof], model.dof_damping[dof] = 0.0, C
+    if hasattr(model, "dof_dampingpoly"):  # what grows with the speed besides is among the laws here
+        model.dof_dampingpoly[dof] = 0.0
     unit, response = np.zeros((1, model.nv)), np.zeros((1, model.nv))
     unit[0, dof] = 1.0
 
@@ -93,7 +95,7 @@ def apply(body, joint, client=0):
 
 
 def step(model, data, state=START, joint=JOINT):
-    """For MJX: data a step on and state; where the model was put with frictionloss 0 on the joint."""
+    """For MJX: data a step on and state; where the model was put with no frictionloss and dampingpoly on the joint."""
     import jax.numpy as jnp
     from mujoco import mjx
 
@@ -108,15 +110,11 @@ def step(model, data, state=START, joint=JOINT):
 '''
 
 
-def friction_file(model: Model, joint: str, zero: float = 0.0, native: bool = False) -> str:
-    """The text of friction.py for a model's joint.
-
-    zero : of its position (rad or m), where the model's x is 0. native : the joint's own element has what MJCF has
-    words for.
-    """
+def friction_file(model: Model, joint: str, zero: float = 0.0) -> str:
+    """The text of friction.py for a model's joint; zero : of its position (rad or m), where the model's x is 0."""
     level = next((_expression(one) for one in model.in_slot(Slot.FRICTION_LEVEL)), "f_k")
     factors = [_expression(one) for one in model.in_slot(Slot.FRICTION_MODULATION) if one.term.in_python]
-    more = [_expression(one) for one in _viscous(model, native)]
+    more = [_expression(one) for one in _viscous(model)]
     law = next(iter(model.in_slot(Slot.FRICTION_LAW)), None)
     static = model.in_slot(Slot.BREAK_AWAY)
     f_s = static[0].values[0] if static else model.f_s if model.f_s is not None else model.f_k
@@ -125,13 +123,16 @@ def friction_file(model: Model, joint: str, zero: float = 0.0, native: bool = Fa
         body = _BRISTLE.format(law=_expression(law), sigma0=law.values[0])
     elif law is not None:
         body = _SMOOTH.format(law=_expression(law))
-    said = [f"dry {model.f_k:.4g}, viscous {model.c:.4g}", *(entry.term.key for entry in _spoken(model, native))]
+    spoken = _spoken(model)
+    lacking = [one.term.key for one in model.terms if one not in spoken and one.term.slot is not Slot.OBSERVATION]
+    said = [f"dry {model.f_k:.4g}, viscous {model.c:.4g}", *(entry.term.key for entry in spoken)]
     start = law.internal0[0] if law is not None and law.term.internal else 0.0
     head = _HEAD.format(
         joint=joint,
         zero=float(zero),
         plain=re.sub(r"[^\w .:/-]", "_", joint),
         said=", ".join(said),
+        lacking=f" Not in it: {', '.join(lacking)}." if lacking else "",
         c=model.c,
         f_k=model.f_k,
         f_s=0.0 if law is not None else max(f_s, 0.0),
@@ -143,16 +144,15 @@ def friction_file(model: Model, joint: str, zero: float = 0.0, native: bool = Fa
     return head + body + _TAIL
 
 
-def _spoken(model: Model, native: bool) -> tuple[ModelTerm, ...]:
+def _spoken(model: Model) -> tuple[ModelTerm, ...]:
     """Terms that the file has."""
     slots = (Slot.FRICTION_LEVEL, Slot.FRICTION_LAW, Slot.FRICTION_MODULATION)
     dry = [one for one in model.in_slot(*slots) if one.term.in_python]
-    return (*dry, *model.in_slot(Slot.BREAK_AWAY), *_viscous(model, native))
+    return (*dry, *model.in_slot(Slot.BREAK_AWAY), *_viscous(model))
 
 
-def _viscous(model: Model, native: bool) -> list[ModelTerm]:
-    every = [one for one in model.in_slot(Slot.SMOOTH) if one.term.in_python]
-    return [one for one in every if not (native and one.term.elements)]
+def _viscous(model: Model) -> list[ModelTerm]:
+    return [one for one in model.in_slot(Slot.SMOOTH) if one.term.in_python]
 
 
 def _expression(entry: ModelTerm) -> str:

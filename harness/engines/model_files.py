@@ -175,6 +175,6 @@ def export(model: Model, into: Path, angular: bool = False) -> dict[str, Path]:
         f"{name}.xml": _hinge_mjcf(model) if hinge else mjcf(model),
         f"{name}.urdf": _hinge_urdf(model) if hinge else models.text_of(models.urdf(_slider(model), SLIDER)),
         "not_said.txt": ("\n".join(said) + "\n").encode(),
-        FRICTION: friction_file(model, "hinge" if hinge else "slide", native=True).encode(),
+        FRICTION: friction_file(model, "hinge" if hinge else "slide").encode(),
     }
     return models.written(into, texts)

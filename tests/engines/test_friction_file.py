@@ -27,6 +27,7 @@ LAWS: dict[str, tuple[ModelTerm, ...]] = {
     "regularised": (ModelTerm.named("regularised-friction", v_r=0.2, lead=0.0),),
     "power": (ModelTerm.named("power-law-damping", c_p=0.8, exponent=0.5),),
     "drift": (ModelTerm.named("friction-drift", rate=-0.1),),
+    "drag": (ModelTerm.named("quadratic-drag", c2=1.5),),
 }
 
 
@@ -36,13 +37,20 @@ def module(model: Model, joint: str) -> Any:
     return made
 
 
-def in_mujoco(model: Model, dt: float, duration: float) -> FloatArray:
+def exported(model: Model, into: Path) -> Any:
+    """The file as it is left beside the model's own."""
+    made = ModuleType("friction")
+    exec(model_files.export(model, into)["friction.py"].read_text(), made.__dict__)
+    return made
+
+
+def in_mujoco(model: Model, dt: float, duration: float, tmp_path: Path) -> FloatArray:
     """Position of the model's own file with friction.py in a plain loop."""
     own = mujoco.MjModel.from_xml_string(model_files.mjcf(model).decode())
     own.opt.timestep, own.opt.integrator = dt, mujoco.mjtIntegrator.mjINT_RK4
     data = mujoco.MjData(own)
     data.qpos[0], data.qvel[0] = model.x0, model.v0
-    friction = module(model, "slide").attach(own, data)
+    friction = exported(model, tmp_path).attach(own, data)
     found = [model.x0]
     for _ in range(round(duration / dt)):
         friction()
@@ -52,9 +60,9 @@ def in_mujoco(model: Model, dt: float, duration: float) -> FloatArray:
 
 
 @pytest.mark.parametrize("name", LAWS)
-def test_a_slider_in_mujoco_moves_as_the_reference(name: str) -> None:
+def test_a_slider_in_mujoco_moves_as_the_reference(name: str, tmp_path: Path) -> None:
     model = SLIDER.with_terms(*LAWS[name])
-    x = in_mujoco(model, 2e-4, 1.5)
+    x = in_mujoco(model, 2e-4, 1.5, tmp_path)
     exact = harness.simulate(model, np.arange(x.size) * 2e-4)
     assert np.abs(x - exact.x).max() < 1.5e-3
     assert len(friction_file(model, "slide").splitlines()) < 100
@@ -101,7 +109,7 @@ def test_it_holds_a_load_without_a_creep_and_breaks_away_above(integrator: str) 
             assert abs(data.qvel[0]) < 1e-12
 
 
-@pytest.mark.parametrize("name", ["coulomb", "stribeck", "gravity", "presliding"])
+@pytest.mark.parametrize("name", ["coulomb", "stribeck", "gravity", "presliding", "drag"])
 def test_a_pendulum_in_pybullet_moves_as_the_reference(name: str, tmp_path: Path) -> None:
     pybullet = pytest.importorskip("pybullet")
     terms = {
@@ -109,6 +117,7 @@ def test_a_pendulum_in_pybullet_moves_as_the_reference(name: str, tmp_path: Path
         "stribeck": (ModelTerm.named("stribeck", f_s=0.18, v_s=0.5),),
         "gravity": (ModelTerm.named("load-dependent-friction:gravity", gain=0.8),),
         "presliding": (ModelTerm.named("presliding", sigma0=20.0, sigma1=0.05),),
+        "drag": (ModelTerm.named("quadratic-drag", c2=0.05),),
     }[name]
     model = PENDULUM.with_terms(*terms)
     file, dt = model_files.export(model, tmp_path)["pendulum.urdf"], 2e-4
@@ -119,7 +128,7 @@ def test_a_pendulum_in_pybullet_moves_as_the_reference(name: str, tmp_path: Path
         flags = pybullet.URDF_USE_INERTIA_FROM_FILE
         body = pybullet.loadURDF(str(file), useFixedBase=True, flags=flags, physicsClientId=client)
         pybullet.resetJointState(body, 0, model.x0, physicsClientId=client)
-        own, x = module(model, "hinge"), [model.x0]
+        own, x = exported(model, tmp_path), [model.x0]
         for _ in range(7500):
             own.apply(body, 0, client)
             pybullet.stepSimulation(physicsClientId=client)
@@ -159,3 +168,9 @@ def test_the_file_needs_numpy_alone() -> None:
     tree = ast.parse(friction_file(SLIDER, 'a "joint"\\'))
     early = [one for one in tree.body if isinstance(one, ast.Import | ast.ImportFrom)]
     assert {ast.unparse(one).split()[1] for one in early} == {"numpy"}
+
+
+def test_what_the_file_has_not_is_in_its_first_line(tmp_path: Path) -> None:
+    terms = (ModelTerm.named("quadratic-drag", c2=1.5), ModelTerm.named("cubic-stiffness", k3=20.0))
+    first = (exported(SLIDER.with_terms(*terms), tmp_path).__doc__ or "").splitlines()[0]
+    assert first == "Friction of slide: dry 3, viscous 1, quadratic-drag. Not in it: cubic-stiffness."
