@@ -13,8 +13,7 @@ import numpy as np
 from harness.core.arrays import FloatArray, read_only
 from harness.core.jit import compiled
 from harness.exact.decay import Decay, check_outputs, check_times
-from harness.exact.flow import discriminant, flow
-from harness.exact.segments import CENTRE, DIRECTION, POSITION, SPEED, START, half_cycles
+from harness.exact.segments import CENTRE, DIRECTION, POSITION, SPEED, START, discriminant, flow, half_cycles
 
 PARAMETERS = ("omega_n", "zeta", "x_k", "x_0", "v_0", "t_0")
 

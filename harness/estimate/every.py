@@ -9,7 +9,7 @@ from harness.core.arrays import FloatArray
 from harness.core.checks import increasing, vector
 from harness.core.errors import InputError
 from harness.core.quantity import Quantity
-from harness.estimate.acceleration import acceleration, as_acceleration
+from harness.estimate.acceleration import acceleration, acceleration_local, as_acceleration
 from harness.estimate.channel import ChannelFit, fit_channel
 from harness.estimate.displacement import (
     all_edges,
@@ -19,7 +19,6 @@ from harness.estimate.displacement import (
     reversal_times,
     turning_points,
 )
-from harness.estimate.local import acceleration_local
 from harness.estimate.noise import channel_noise
 from harness.estimate.paper import ASSUMED, acceleration_paper, isolated
 from harness.estimate.result import Estimate, Estimation, quantity

@@ -13,8 +13,7 @@ import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.estimate.reversals import HalfCycles, Kind
-from harness.fit.covariance import inverse_of
-from harness.fit.least_squares import Bounds, Until, least_squares
+from harness.fit.least_squares import Bounds, Until, inverse_of, least_squares
 
 _SINGULAR = 1e-14
 """Determinant of normal equations, scaled to a unit diagonal, below which a half-cycle holds too few samples."""

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.fit.covariance import covariance_of
-from harness.fit.least_squares import Residual, Stop, Until, least_squares
+from harness.fit.least_squares import Residual, Stop, Until, covariance_of, least_squares
 
 Model = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 """Parameters (p,) to values (K,2) at start and end of each half-cycle, and their derivatives (K,2,p)."""

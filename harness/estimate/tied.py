@@ -13,8 +13,7 @@ from harness.core.arrays import FloatArray, IntArray
 from harness.estimate.halfcycles import Sums
 from harness.estimate.reversals import Kind
 from harness.estimate.sequence import powers
-from harness.fit.covariance import inverse_of
-from harness.fit.least_squares import Until, least_squares
+from harness.fit.least_squares import Until, inverse_of, least_squares
 
 _SIZE = 6
 SIGMA, OMEGA, D, P0, T0, OFFSET = range(_SIZE)

@@ -15,8 +15,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray
 from harness.core.jit import compiled, fast
-from harness.exact.flow import discriminant, flow
-from harness.exact.segments import CENTRE, DIRECTION, POSITION, SPEED, START, half_cycles
+from harness.exact.segments import CENTRE, DIRECTION, POSITION, SPEED, START, discriminant, flow, half_cycles
 
 _LONGEST_BLOCK = 512
 _SHORTEST_BLOCK = 16

@@ -9,8 +9,7 @@ from typing import TypeAlias
 
 from harness.core.arrays import FloatArray, IntArray
 from harness.core.jit import compiled
-from harness.exact.flow import discriminant, flow
-from harness.exact.segments import CENTRE, DIRECTION, POSITION, SPEED, START
+from harness.exact.segments import CENTRE, DIRECTION, POSITION, SPEED, START, discriminant, flow
 
 # omega_n, zeta, x_k, x_s, push = amplitude/k (m), drive (rad/s), phase of the force, amplitude (m) and phase of the
 # forced response

@@ -17,9 +17,8 @@ from harness.core.scenario import Harmonic
 from harness.core.slider import Slider
 from harness.core.trajectory import Source, Trajectory
 from harness.exact import forced
-from harness.exact.flow import discriminant, flow
 from harness.exact.forced import System
-from harness.exact.segments import DIRECTION, POSITION, SPEED, START
+from harness.exact.segments import DIRECTION, POSITION, SPEED, START, discriminant, flow
 
 _MOST_PIECES = 400  # of one period
 _MOST_CYCLES = 100_000

@@ -16,8 +16,7 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.quantity import Quantity
 from harness.diagnosis.rules import CHANCE
-from harness.estimate.repeated import spread, squares, weighted
-from harness.estimate.trends import Conditions, Trend, trends
+from harness.estimate.repeated import Conditions, Trend, spread, squares, trends, weighted
 from harness.robot.friction_curve import splines
 
 

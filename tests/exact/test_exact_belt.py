@@ -8,8 +8,7 @@ from harness.core.errors import InputError
 from harness.core.events import EventKind, Mode
 from harness.core.scenario import CurveBelt, Hold
 from harness.core.slider import PAPER, Slider
-from harness.exact.belt import LimitCycle, SteadySliding, limit_cycle
-from harness.exact.curve_belt import curve_cycle
+from harness.exact.belt import LimitCycle, SteadySliding, curve_cycle, limit_cycle
 from harness.exact.decay import creep
 from harness.kernels.solve import Drive, simulate
 from harness.model.model import Model, ModelTerm

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
-from harness.fit.covariance import covariance_of, inverse_of
-from harness.fit.least_squares import Bounds, Residual, Stop, Until, least_squares
+from harness.fit.least_squares import Bounds, Residual, Stop, Until, covariance_of, inverse_of, least_squares
 
 Law = Callable[[FloatArray, FloatArray], FloatArray]
 

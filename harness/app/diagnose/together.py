@@ -28,8 +28,7 @@ from harness.diagnosis.pooling.repeated import alone_under, parameters_of
 from harness.diagnosis.problems.forces_together import ForcesTogether
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.rules import CHANCE
-from harness.estimate.repeated import repeated
-from harness.estimate.trends import trends
+from harness.estimate.repeated import repeated, trends
 from harness.model.elsewhere import named
 from harness.results.common import FleetTrend, P, RepeatedResult
 from harness.results.diagnosis import OwnResult

@@ -17,8 +17,7 @@ from harness.diagnosis.rules import CHANNELS_AGREE, CHANNELS_RELATED
 from harness.estimate.means import ENOUGH, is_dense, means
 from harness.estimate.noise import Noise
 from harness.estimate.saturation import limit_said, limits
-from harness.fit.covariance import inverse_of
-from harness.fit.least_squares import Bounds, Until, least_squares
+from harness.fit.least_squares import Bounds, Until, inverse_of, least_squares
 
 _WINDOW = 0.9
 """Length of a window, in periods."""

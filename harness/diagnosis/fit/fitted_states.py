@@ -10,8 +10,7 @@ from harness.core.errors import SimulationError
 from harness.diagnosis.problem import P, Problem
 from harness.diagnosis.problems.simulated import COARSE, observe
 from harness.diagnosis.starts import OneStart, Window
-from harness.fit.covariance import covariance_of
-from harness.fit.least_squares import Residual, Until, least_squares
+from harness.fit.least_squares import Residual, Until, covariance_of, least_squares
 from harness.kernels.solve import By, Scales
 from harness.model.model import Model
 

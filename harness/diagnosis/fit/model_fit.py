@@ -18,8 +18,7 @@ from harness.diagnosis.parameters import Free, bounds_of, coordinates_of, values
 from harness.diagnosis.problem import Observation, Problem
 from harness.diagnosis.problems.simulated import FINE
 from harness.fit.autocorrelation import Memory, memory
-from harness.fit.covariance import coloured_covariance, covariance_of
-from harness.fit.least_squares import Descent, Stop, Until, least_squares
+from harness.fit.least_squares import Descent, Stop, Until, coloured_covariance, covariance_of, least_squares
 from harness.kernels.solve import Effort, Scales
 from harness.model.model import Model
 from harness.model.term import Parameter, Term

@@ -25,7 +25,7 @@ from harness.diagnosis.tables.basis import partials
 from harness.diagnosis.tables.beside import Tabulated
 from harness.diagnosis.tables.describe import described, plane_described
 from harness.diagnosis.tables.fitted import TableFit, rougher
-from harness.fit.covariance import inverse_of
+from harness.fit.least_squares import inverse_of
 from harness.kernels.solve import Scales
 from harness.model.model import Model, ModelTerm
 from harness.model.registry import NAMED

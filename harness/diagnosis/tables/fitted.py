@@ -15,8 +15,7 @@ from harness.core.arrays import BoolArray, FloatArray
 from harness.diagnosis.parameters import Free, bounds_of, coordinates_of, with_coordinates
 from harness.diagnosis.problem import Observation
 from harness.diagnosis.tables.basis import Basis
-from harness.fit.covariance import inverse_of
-from harness.fit.least_squares import Bounds, Until, least_squares
+from harness.fit.least_squares import Bounds, Until, inverse_of, least_squares
 from harness.model.model import Model
 
 FIRST = 1e-2

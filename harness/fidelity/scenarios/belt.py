@@ -13,8 +13,7 @@ from harness.core.events import Mode
 from harness.core.scenario import Belt, CurveBelt, Scenario
 from harness.core.slider import Slider
 from harness.core.trajectory import Trajectory
-from harness.exact.belt import LimitCycle, limit_cycle
-from harness.exact.curve_belt import curve_cycle
+from harness.exact.belt import LimitCycle, curve_cycle, limit_cycle
 from harness.fidelity import kind as suite
 from harness.fidelity.metrics import falling
 

@@ -10,8 +10,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.fit.autocorrelation import Memory, memory
-from harness.fit.covariance import coloured_covariance
-from harness.fit.least_squares import Bounds, Stop, Until, least_squares
+from harness.fit.least_squares import Bounds, Stop, Until, coloured_covariance, least_squares
 from harness.robot.servo.plant import NUMBERS, Run
 
 LONGEST = 20.0
