@@ -12,8 +12,7 @@ from harness.core.errors import HarnessError, InputError, SimulationError, did_y
 from harness.core.registered import version
 from harness.core.scenario import Body, CurveBelt, Scenario
 from harness.core.trajectory import Trajectory
-from harness.engines.curve import curve_of
-from harness.engines.forces import Drive, ForceLaw
+from harness.engines.forces import Drive, ForceLaw, curve_of
 from harness.engines.joint_words import JointWords, Kinds
 
 Route: TypeAlias = Literal["joint", "contact", "law"]

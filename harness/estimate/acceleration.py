@@ -2,7 +2,7 @@
 
 Where the whole decay is one motion of the base model, that is what acceleration fits: each half-cycle obeys a known
 linear equation, the jump ties it to the next (Liang, eqs. 6, 9 to 11), and least squares weights all of it by its
-covariance. Where it is not (friction that reverses early or is smeared), half-cycles are fitted apart, a guard left out,
+covariance. Where it is not (friction that reverses early or is smeared), half-cycles are fitted apart without a guard,
 and continued to the reversal: the jumps between them give x_k, and the decay inside them zeta. A jump shares each
 half-cycle with its neighbour, so jumps are correlated: a plain mean wastes what they say together.
 

@@ -7,8 +7,7 @@ from engine_cases import CALLING, engine
 from harness.core.errors import SimulationError
 from harness.engines.forces import Drive
 from harness.engines.joint_words import JOINT, elements, words_of
-from harness.engines.realise import task_of
-from harness.engines.simulator import EngineSimulator
+from harness.engines.simulator import EngineSimulator, task_of
 from harness.kernels.solve import simulate
 from harness.model.model import Model, ModelTerm, Restoring
 from harness.model.registry import TERMS

@@ -47,7 +47,7 @@ NAMED = """
 from harness.core.recording import Recording
 from harness.diagnosis.pipeline import diagnose, prepare
 from harness.diagnosis.request import Asked
-from harness.engines.realise import task_of
+from harness.engines.simulator import task_of
 from harness.engines.registry import load
 
 trace = load("mujoco").simulate(task_of(both, 1.0, 5e-4))

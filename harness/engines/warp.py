@@ -1,11 +1,15 @@
-"""The engine and its settings; warp is imported when something runs."""
+"""MuJoCo Warp; warp takes seconds to import and waits until something runs."""
 
 from collections.abc import Sequence
+from importlib.util import find_spec
 from typing import Any, ClassVar, Final, final
 
 from harness.engines.base import Preset, Route, Task, choice
 from harness.engines.mujoco import presets as mujoco
 from harness.engines.mujoco.at_once import AtOnce, Ready, Runs
+
+if find_spec("warp") is None or find_spec("mujoco_warp") is None:
+    raise ImportError("No module named 'mujoco_warp'")
 
 CHOICES: Final = {
     "integrator": ("Euler", "RK4", "implicit", "implicitfast"),
@@ -44,6 +48,6 @@ class WarpEngine(AtOnce):
         return held.task.route, held.rubs, *settings.values()
 
     def ready(self, group: Sequence[Ready]) -> Runs:
-        from harness.engines.warp.worlds import Worlds
+        from harness.engines.warp_worlds import Worlds
 
         return Worlds(group, self.sticks_below(group[0][1]))
