@@ -16,7 +16,7 @@ from harness.core.errors import InputError
 from harness.core.recording import CHANNELS, LARGEST, LONGEST_TIME, MINIMUM_SAMPLES, Recording
 from harness.io.choose import as_angles, chosen, products, quoted_of, said, unscaled
 from harness.io.columns import Mapping, is_magnitude, is_no_motion, parse_columns
-from harness.io.edges import at_clocked_edges, at_edges
+from harness.io.encoders import at_clocked_edges, at_edges, unwrapped
 from harness.io.join import joined
 from harness.io.logs.suspicions import FACTORS, NEAR, ratio, unsigned
 from harness.io.options import ReadOptions, RefusedError, tried
@@ -33,7 +33,6 @@ from harness.io.times import (
     whole_numbers,
 )
 from harness.io.units import Unit
-from harness.io.wrapping import unwrapped
 
 _MOST_LOST = 0.05
 """Share of the samples that may be left out unasked: rows written twice, a clock set back once, an empty cell."""

@@ -32,8 +32,7 @@ from harness.core.trajectory import Source, Trajectory
 from harness.core.writing import explained
 from harness.engines import registry
 from harness.engines.base import Engine, Preset, Route, Task
-from harness.fidelity.repeats import repeats
-from harness.fidelity.row import run_rows, succeeded, task
+from harness.fidelity.row import repeats, run_rows, succeeded, task
 from harness.results.generate import schema_text
 from harness.results.sweep import SweepResult, SweepRow
 
