@@ -18,12 +18,10 @@ from harness.core.trajectory import Trajectory
 from harness.model.model import Model, ModelTerm
 from harness.model.registry import TERMS
 from harness.model.term import Slot, Term
-from harness.results.change import ChangeResult
 from harness.results.common import ModelDocument, MotionResult
-from harness.results.compare import CompareResult
+from harness.results.compare import ChangeResult, CompareResult, ModelsResult
 from harness.results.diagnosis import DiagnosisResult
 from harness.results.identify import IdentifyResult
-from harness.results.models import ModelsResult
 from harness.results.plan import PlanResult
 from harness.results.prove import ProofCheck, ProofResult
 from harness.results.robot import LogResult

@@ -20,8 +20,8 @@ from harness.io.recording import read_recording
 from harness.model.model import Restoring
 from harness.results.common import MotionResult
 from harness.results.robot import LogResult, PreviewResult, Topic
+from harness.show.report.identify import recording_page
 from harness.show.report.page import render
-from harness.show.report.recording import recording_page
 
 __all__ = ["LogOptions", "log", "read"]
 

@@ -8,8 +8,8 @@ from harness.cli.output import figure, say, say_all, say_as_it_is, say_paste, sh
 
 if TYPE_CHECKING:
     from harness.app.diagnose.many import Many
-    from harness.results.change import ChangeResult
     from harness.results.common import MotionResult, RepeatedResult
+    from harness.results.compare import ChangeResult
     from harness.results.diagnosis import AttributionResult, DiagnosisResult, PredictionResult
     from harness.results.fleet import FleetResult
     from harness.results.robot import ArmResult, RobotResult, ServoResult, SimulatedResult

@@ -104,7 +104,7 @@ class Paged(Result):
     @property
     def plots(self) -> list[str]:
         """Names of the plots on the page, that which answers first."""
-        names: list[str] = import_module("harness.show.plotting").names(self)
+        names: list[str] = import_module("harness.show.notebook").names(self)
         return names
 
     def plot(self, name: str | None = None, library: Literal["plotly", "matplotlib"] | None = None) -> Any:
@@ -113,7 +113,7 @@ class Paged(Result):
         name : one of ``plots``, None for the first. library : None for plotly where it is installed, else matplotlib.
         Raises InputError where there is no such plot, or neither library.
         """
-        return import_module("harness.show.plotting").plot(self, name, library)
+        return import_module("harness.show.notebook").plot(self, name, library)
 
 
 Floats = Annotated[list[float], BeforeValidator(lambda y: y.tolist() if isinstance(y, np.ndarray) else y)]

@@ -1,10 +1,10 @@
-"""The result of comparing two traces: harness.compare/2."""
+"""Results that compare: traces (compare/2), models on a recording (models/1), two conditions (change/1)."""
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from harness.results.common import Machine, P, Paged, RecordingInfo, Result, Where
+from harness.results.common import Machine, P, Paged, RecordingInfo, Result, Where, rare
 
 
 class ChannelPair(Result):
@@ -105,3 +105,67 @@ class CompareResult(Paged):
     command: str = Field(default="", description="the line that makes it again")
     machine: Machine | None = None
     outputs: dict[str, str] = Field(default_factory=dict)
+
+
+class ComparedModel(Result):
+    """One model, fitted to the recording."""
+
+    name: str
+    terms: list[str] = Field(description="of the catalogue, beside viscous and Coulomb friction")
+    fitted: int = Field(description="numbers that were fitted")
+    chi2_per_point: float = Field(description="in units of the noise that the best model leaves; 1 when only noise is")
+    delta_bic: float = Field(description="worse than the best by BIC; 10 is decisive")
+    weight: float = Field(description="probability among these models, were they equally likely before")
+    rmse: dict[str, float]
+    parameters: dict[str, P] = Field(description="omega_n, zeta, x_k; on a free axis mass, c, f_k")
+    note: str = ""
+
+
+class ModelsResult(Paged):
+    """Models of one recording, the best first."""
+
+    LINES: ClassVar[str] = "models"
+
+    schema_: Literal["harness.models/1"] = Field(default="harness.models/1", alias="schema")
+    recording: RecordingInfo
+    statement: str
+    models: list[ComparedModel]
+
+
+class ChangedNumber(Result):
+    """A number of the machine in both conditions."""
+
+    name: str = Field(description='"c", "f_k", "quadratic-drag.c2"; "inertia" where a mass that is not known changed')
+    said: str = Field(description="what it is, in words")
+    before: P | None = rare("fitted jointly to all recordings before")
+    after: P | None = rare("the same afterwards; as before where it did not change")
+    ratio: P = Field(description="after over before, as if it might have changed whether or not it did")
+    changed: bool
+    repeats: float | None = rare("standard deviation of repeats beyond their errors, in the unit of the number")
+
+
+class ChangedCovariate(Result):
+    """A covariate in both conditions."""
+
+    name: str
+    before: float = Field(description="mean of the recordings before, in the column's own unit")
+    after: float
+
+
+class ChangeResult(Paged):
+    """harness diagnose --before ... --after ..."""
+
+    schema_: Literal["harness.change/1"] = Field(default="harness.change/1", alias="schema")
+    statement: str = Field(description="what changed, by how much, and what did not")
+    changed: list[str] = Field(description="names of what changed, the clearest first; empty where nothing did")
+    chance: float = Field(description="that two conditions which are alike differ so much")
+    left: float = Field(description="that conditions which differ in nothing else differ so much")
+    numbers: list[ChangedNumber]
+    laws: list[str] = Field(description="catalogue names beside viscous and dry friction that both were read with")
+    given: list[ChangedCovariate] = rare("covariates, whose push is no change of the machine", list)
+    before: list[RecordingInfo]
+    after: list[RecordingInfo]
+    warnings: list[str]
+    command: str = Field(default="", description="the line that makes it again")
+    machine: Machine
+    files: dict[str, str] = Field(default_factory=dict)

@@ -13,7 +13,7 @@ from harness.cli.main import run
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
-from harness.results.change import ChangeResult
+from harness.results.compare import ChangeResult
 
 T: FloatArray = np.arange(900) / 60.0
 

@@ -26,9 +26,9 @@ from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.forces_together import ForcesTogether
 from harness.diagnosis.problems.together import Together
 from harness.diagnosis.rules import MOVED
-from harness.results.change import ChangedCovariate, ChangedNumber, ChangeResult
 from harness.results.common import P
-from harness.show.report.change import change_page
+from harness.results.compare import ChangedCovariate, ChangedNumber, ChangeResult
+from harness.show.report.compare import change_page
 
 STEPS = 4
 NEW = P.of(Quantity.refused("1", "there was none to be seen before"))

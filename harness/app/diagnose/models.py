@@ -24,8 +24,8 @@ from harness.diagnosis.search.search import noise_of, under
 from harness.diagnosis.stages import Based
 from harness.model.registry import NAMED, term
 from harness.results.common import P
-from harness.results.models import ComparedModel, ModelsResult
-from harness.show.report.models import models_page
+from harness.results.compare import ComparedModel, ModelsResult
+from harness.show.report.compare import models_page
 
 DECISIVE = 10.0
 _NOT_SEEN = "{} brings nothing to the fit"

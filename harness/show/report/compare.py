@@ -1,16 +1,27 @@
-"""The page of two traces: what each of them reads, how far they are apart, and where."""
+"""Pages that compare: two traces, models on one recording, and a machine in two conditions."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import PurePath
 
+import numpy as np
+
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
-from harness.results.compare import CompareResult, Event, Reading
+from harness.results.compare import (
+    ChangedNumber,
+    ChangeResult,
+    ComparedModel,
+    CompareResult,
+    Event,
+    ModelsResult,
+    Reading,
+)
+from harness.show import blocks as b
 from harness.show import scene as s
-from harness.show.blocks import Cell, Column, Figure, Page, Row, Section, Table, tabulated, verdict
-from harness.show.numbers import NONE, SHOWN, number, sentence_quantity, shown_value
-from harness.show.plots import ANGLES, CHANNELS, GROUP, axes, curve, orbit, per, shades
+from harness.show.blocks import Cell, Column, Figure, Page, Row, Section, Table, measured, tabulated, verdict
+from harness.show.numbers import NONE, SHOWN, number, of_names, sentence_quantity, shown_value
+from harness.show.plots import ANGLES, CHANNELS, GROUP, axes, curve, dots, left_by, orbit, per, shades
 from harness.show.report.page import made_with
 from harness.show.sentences.compare import SHOWS, difference_words, faster_words, figure_words, shows, telling
 
@@ -205,3 +216,92 @@ def _places(result: CompareResult) -> Section:
         caption = "What one channel of a trace says of another, from the data alone, with one standard error."
         tables.append(tabulated("channels", columns, pairs, lambda one: one[0], caption=caption))
     return Section("Where they differ", tables)
+
+
+def models_page(result: ModelsResult, angular: bool = False) -> b.Page:
+    """Residuals are the curves of the result."""
+    colors = dict(zip((one.name for one in result.models), of_names(len(result.models)), strict=True))
+    first = result.models[0]
+    columns = [
+        b.Column("terms", lambda one: ", ".join(one.terms) or "none"),
+        b.Column("fitted", lambda one: str(one.fitted), "", "numbers that were fitted"),
+        b.Column("chi-square per point", lambda one: number(one.chi2_per_point, 4), "", "1 when only noise is left"),
+        b.Column("worse by", lambda one: number(one.delta_bic, 3), "BIC"),
+        b.Column("weight", lambda one: number(one.weight, 2), "", "probability among these models"),
+        *(
+            b.Column(
+                n,
+                b.by(n, lambda one, n: b.measured(one.parameters.get(n))),
+                p.unit.replace("m", "mm", 1) if p.unit == "m" else p.unit,
+            )
+            for n, p in first.parameters.items()
+        ),
+    ]
+
+    def color(one: ComparedModel) -> str:
+        return colors[one.name]
+
+    table = b.tabulated("model", columns, result.models, lambda one: one.name, lambda one: one.note, color)
+    figures = []
+    for c in first.rmse:
+        label, unit, factor = (ANGLES if angular else CHANNELS)[c]
+        traces = [
+            curve(name, own["t"], own[c] * factor, colors[name], unit, 1.2) for name, own in result.curves.items()
+        ]
+        caption, band = left_by("model", result.recording.noise.get(c), unit, factor)
+        layout = axes("time / s", f"residual of {label} / {per(unit)}", shapes=band, showlegend=True)
+        figures.append(b.Figure(f"residual-{c}", traces, layout, caption, GROUP, 300))
+    about = result.recording
+    sections = [b.verdict(result.statement), b.Section("Ranking", [table]), b.Section("Residuals", figures)]
+    return b.Page(
+        f"Models of {PurePath(about.file).name}", f"{about.samples} samples, {about.duration_s:.4g} s", sections
+    )
+
+
+_MOVED, _SAME = "#e4632d", "#667080"
+
+
+def change_page(result: ChangeResult) -> Page:
+    """The page of what changed between two conditions."""
+    sections = [
+        verdict(result.statement, result.warnings),
+        Section("After over before", [_ratios(result.numbers)]),
+        Section("Every number", [_table(result.numbers)]),
+        made_with(result.machine, result.files, result.command),
+    ]
+    files = [", ".join(PurePath(one.file).name for one in group) for group in (result.before, result.after)]
+    return Page("What changed", f"before: {files[0]}; after: {files[1]}", sections)
+
+
+def _ratios(numbers: Sequence[ChangedNumber]) -> Figure:
+    """Ratios with two standard errors, what changed in another colour."""
+    traces = []
+    for changed, color, name in ((True, _MOVED, "changed"), (False, _SAME, "as before")):
+        of = [one for one in numbers if one.changed is changed and one.ratio.value is not None]
+        if of:
+            ratio = np.array([one.ratio.value for one in of], dtype=np.float64)
+            error = 2.0 * np.array([one.ratio.stderr for one in of], dtype=np.float64)
+            bars = {"type": "data", "array": error, "color": color}
+            marker = {"color": color, "size": 10}
+            hover = "%{y}: %{x:.4g} times<extra></extra>"
+            traces.append(dots(name, ratio, [one.said for one in of], marker, hover, error_x=bars))
+    line = {"type": "line", "x0": 1.0, "x1": 1.0, "yref": "paper", "y0": 0.0, "y1": 1.0, "line": {"color": "rule"}}
+    layout = axes("after over before", "", shapes=[line])
+    caption = "Bars are two standard errors, which count what repeats differ by."
+    return Figure("ratios", traces, layout, caption, height=120 + 45 * len(numbers))
+
+
+def _table(numbers: Sequence[ChangedNumber]) -> Table:
+    columns = [
+        Column("before", lambda one: measured(one.before), "", "all recordings before, jointly"),
+        Column("after", lambda one: measured(one.after), "", "as before where it did not change"),
+        Column("after over before", lambda one: measured(one.ratio), "", "as if it might have changed"),
+        Column("changed", lambda one: Cell("yes" if one.changed else "no")),
+        Column("repeats differ by", lambda one: number(one.repeats, 2), "", "standard deviation beyond errors"),
+    ]
+    return tabulated("", columns, numbers, lambda one: one.said + _unit(one))
+
+
+def _unit(one: ChangedNumber) -> str:
+    unit = NONE if one.before is None else one.before.unit
+    return "" if unit in (NONE, "1", "") else f", {unit}"

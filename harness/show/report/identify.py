@@ -1,4 +1,4 @@
-"""The page of a recording: what the estimators read from it, reversal by reversal."""
+"""The pages of a recording: as it was read, and what the estimators read from it, reversal by reversal."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import PurePath
@@ -16,6 +16,7 @@ from harness.show import scene as s
 from harness.show.blocks import (
     Block,
     Column,
+    Facts,
     Figure,
     Folded,
     Items,
@@ -256,3 +257,19 @@ def _errors(name: str, found: Sequence[Mapping[str, Any]], factor: float, color:
         return {}
     errors = np.array([float(one["stderr"]) for one in found]) * factor
     return {"error_y": {"type": "data", "array": errors, "color": color, "thickness": 1.2, "width": 3}}
+
+
+def recording_page(recording: Recording) -> Page:
+    """Each channel over time, which column it is, and what was mended."""
+    figures = []
+    for name, values in recording.channels.items():
+        label, unit, factor = (ANGLES if recording.angular else CHANNELS)[name]
+        layout = axes("time / s", f"{label} / {per(unit)}", showlegend=False)
+        traces = [curve(name, recording.t, values * factor, "ink", unit, 1.4)]
+        figures.append(Figure(f"channel-{name}", traces, layout, "", GROUP, 300))
+    said = f"{len(recording)} samples at {recording.rate:.6g} Hz, {recording.duration:.4g} s"
+    sections = [
+        Section("What was read", [Facts(dict(recording.columns)), Items(recording.notes)]),
+        Section("The recording", [zoom([], recording.duration), *figures]),
+    ]
+    return Page(f"{PurePath(recording.file).name} as it was read", said, sections)

@@ -17,10 +17,9 @@ from harness.results.sweep import Convergence
 from harness.show import blocks as b
 from harness.show.numbers import engine_name, number
 from harness.show.plots import Trace, axes, decades, dots, plain
-from harness.show.report.bodies import bodies_section
-from harness.show.report.curves import curves_section
 from harness.show.report.effort import effort_section, efforts
 from harness.show.report.glance import STEPS, glance_section, glances
+from harness.show.report.scenarios import bodies_section, curves_section
 from harness.show.sentences.sweep import about, sentences
 
 ROUTES = {
