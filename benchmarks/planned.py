@@ -14,7 +14,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 from harness.robot.arm import Arm, load_arm
 from harness.robot.plan import Limits, Motion, planned, random_motion
 from harness.robot.whole_arm.whole import whole_arm

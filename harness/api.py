@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from harness.core.recording import Recording
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 from harness.core.trajectory import Trajectory
 from harness.model.model import Model, ModelTerm
 from harness.model.registry import TERMS

@@ -14,7 +14,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 from harness.results.common import P
 from harness.results.diagnosis import DiagnosisResult
 

@@ -19,7 +19,7 @@ import numpy as np
 from benchmarks.robot_calibrate.plant import JOINTS, Friction, Motion, Plant, seven_joints
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.quantity import Quantity
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 from harness.robot.arm import Arm, load_arm
 from harness.robot.fleet import Compared, over_speed
 from harness.robot.fleet import compared as compared_logs

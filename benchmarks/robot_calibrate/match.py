@@ -16,7 +16,7 @@ import numpy as np
 
 from benchmarks.robot_calibrate.plant import JOINTS, Motion, Plant, seven_joints
 from harness.core.arrays import FloatArray
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 from harness.robot.arm import Arm
 from harness.robot.match.compared import UNITS, compare
 from harness.robot.whole_arm.perturb import moving_bodies, with_load, with_mass

@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 from harness.robot.arm import Arm
 
 JOINTS = 7

@@ -19,7 +19,7 @@ import numpy as np
 
 from benchmarks.robot_calibrate.plant import JOINTS, Motion, Plant, seven_joints
 from harness.core.arrays import FloatArray
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 from harness.robot.arm import Arm
 from harness.robot.replay.as_urdf import of_model
 from harness.robot.whole_arm.perturb import with_load

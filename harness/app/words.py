@@ -8,9 +8,9 @@ from harness.app.shared.leaving import leave, leaving
 from harness.core.errors import InputError, did_you_mean
 from harness.results.words import DefaultResult, ReaderResult, TakenResult, WordResult, WordsResult
 from harness.robot.words.find import Words, words_in
-from harness.robot.words.found import Found
 from harness.robot.words.motion import by_motion, installed, model, speeds
 from harness.robot.words.table import Form, Reader, Taken, Word, table
+from harness.robot.words.values import Found
 from harness.show.report.words import CALLED, grouped, problems, words_page
 
 __all__ = ["CALLED", "grouped", "problems", "words"]

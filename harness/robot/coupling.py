@@ -8,7 +8,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, did_you_mean
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 from harness.robot.arm import Arm
 from harness.robot.reduction import Reduced, reduced
 from harness.robot.smooth import Even, moving

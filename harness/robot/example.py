@@ -16,7 +16,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 from harness.core.writing import replacing
 from harness.engines.models import folder
 from harness.engines.mujoco.presets import presets

@@ -10,7 +10,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
-from harness.core.robot.bodies import Bodies, Kind, Shape
+from harness.core.robot import Bodies, Kind, Shape
 from harness.core.trajectory import Trajectory
 from harness.robot.apart import compiled
 from harness.robot.arm import Arm

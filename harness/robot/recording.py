@@ -10,7 +10,7 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.quantity import Quantity
 from harness.core.recording import Recording
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 from harness.estimate.rest import rests
 from harness.robot.reduction import Reduced
 from harness.robot.smooth import noise_of

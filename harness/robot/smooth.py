@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from harness.core.arrays import ComplexArray, FloatArray
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 from harness.robot.arm import Arm
 
 CUTOFF = 15.0

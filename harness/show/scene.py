@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
-from harness.core.robot.bodies import Bodies
+from harness.core.robot import Bodies
 from harness.core.trajectory import Trajectory
 from harness.results.common import Result
 from harness.show.blocks import Figure

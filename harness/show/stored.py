@@ -18,7 +18,7 @@ from harness.core.apart import read_apart
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
-from harness.core.robot.bodies import Bodies
+from harness.core.robot import Bodies
 from harness.core.trajectory import Source, Trajectory
 from harness.show.pack import recording_of, trajectory_of
 

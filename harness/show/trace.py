@@ -22,7 +22,7 @@ from rerun.urdf import UrdfTree
 from harness.core.apart import Found
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, StoreError
-from harness.core.robot.bodies import Bodies, Shape
+from harness.core.robot import Bodies, Shape
 from harness.core.writing import replacing
 from harness.show import scene as s
 from harness.show.blocks import Figure

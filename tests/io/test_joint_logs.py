@@ -15,7 +15,7 @@ from joint_logs import HOLED, ONE, Message, Motion, bag1, bag2, csv, lerobot, me
 
 from harness.cli.main import run
 from harness.core.errors import InputError
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 from harness.io.logs.raw import named
 from harness.io.logs.read import read_joint_log
 from harness.results import generate

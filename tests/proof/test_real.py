@@ -17,8 +17,7 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.proof.paths.files import packed
 from harness.proof.plan import Sizes
-from harness.proof.real.effects import EFFECTS, effects_of
-from harness.proof.real.made import CONSTRUCTED, REPEATED, SWITCHED, UNTOUCHED, wanted
+from harness.proof.real.made import CONSTRUCTED, EFFECTS, REPEATED, SWITCHED, UNTOUCHED, effects_of, wanted
 from harness.proof.real.measured import Measured, Rig
 from harness.proof.real.score import LISTED, RIGHT, SILENT, WRONG, Difference, difference, found, not_run, outcome
 from harness.proof.statistics import Rate

@@ -17,7 +17,7 @@ from harness.app.diagnose.options import DiagnoseOptions, RobotOptions
 from harness.cli.main import run
 from harness.core.errors import InputError
 from harness.core.recording import Recording
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 from harness.engines.models import folder
 from harness.kernels.solve import simulate
 from harness.model.model import Model, ModelTerm, Restoring

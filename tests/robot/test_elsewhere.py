@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.robot.elsewhere import elsewhere
-from harness.robot.paste import JointPaste
+from harness.robot.paste import JointPaste, elsewhere
 from harness.robot.words.motion import model, speeds
 from harness.robot.words.table import table
 

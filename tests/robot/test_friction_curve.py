@@ -9,7 +9,7 @@ import pytest
 from two_joint_arm import ARM, moved
 
 from harness.core.arrays import FloatArray
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 from harness.robot.arm import load_arm
 from harness.robot.friction_curve import FrictionCurve, of_series
 from harness.robot.whole_arm.whole import whole_arm

@@ -7,7 +7,7 @@ import pytest
 
 from harness.cli.main import run
 from harness.core.errors import InputError
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 from harness.io.logs.read import read_joint_log
 
 RATE = 250.0

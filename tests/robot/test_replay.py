@@ -10,7 +10,7 @@ from chains import chain, urdf
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 from harness.engines.models import folder
 from harness.robot.arm import Arm, load_arm
 from harness.robot.bare import bare_model

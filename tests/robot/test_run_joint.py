@@ -13,7 +13,7 @@ from harness.app.report.rebuild import rebuild
 from harness.app.run.joint import JointRun, run_joint
 from harness.app.sweep.tune import tune_joint
 from harness.core.errors import InputError
-from harness.core.robot.bodies import Bodies
+from harness.core.robot import Bodies
 from harness.engines.models import folder
 from harness.fidelity import tune as room
 from harness.fidelity.laws import half_implicit

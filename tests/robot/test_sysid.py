@@ -11,7 +11,7 @@ from two_joint_arm import ARM, moved
 import harness
 from harness import sysid
 from harness.core.errors import InputError
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 
 theirs: Any = pytest.importorskip("mujoco.sysid")
 MOTORS = ARM.replace(

@@ -10,7 +10,7 @@ import pytest
 from whole_arm_logs import LOWPASS, NAMES, arm, log_of, machine, of_joints
 
 from harness.core.errors import InputError
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 from harness.robot.arm import Arm, load_arm
 from harness.robot.whole_arm.columns import PAYLOAD, TILT
 from harness.robot.whole_arm.result import WholeArm

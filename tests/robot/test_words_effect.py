@@ -9,9 +9,9 @@ import pytest
 
 from harness.app.words import statement, words
 from harness.robot.words.find import words_in
-from harness.robot.words.found import Found
 from harness.robot.words.motion import installed, model, speeds
 from harness.robot.words.table import Form, table
+from harness.robot.words.values import Found
 
 ARM = """<mujoco>{}<worldbody><body name="b" {}><joint name="j" {}/><geom size=".1" pos=".5 0 0" mass="1"/></body>
 </worldbody>{}</mujoco>"""

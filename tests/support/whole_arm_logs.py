@@ -7,7 +7,7 @@ import numpy as np
 
 from benchmarks.robot_calibrate.plant import JOINTS, Friction, Motion, Plant, seven_joints
 from harness.core.arrays import FloatArray
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 from harness.robot.arm import Arm
 
 SECONDS, RATE, LOWPASS = 12.0, 250.0, 15.0

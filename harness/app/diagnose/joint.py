@@ -18,7 +18,7 @@ from harness.app.diagnose.whole_arm import diagnose_arm
 from harness.app.shared.progress import SILENT, Progress
 from harness.core.arrays import FloatArray
 from harness.core.errors import TRY, InputError, SimulationError
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 from harness.diagnosis.kinds.known import kind_of
 from harness.engines.friction_file import friction_file
 from harness.engines.model_files import FRICTION

@@ -14,7 +14,7 @@ from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import Progress
 from harness.core.errors import SimulationError
 from harness.core.quantity import Quantity
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 from harness.model.document import to_document
 from harness.model.model import Model, Restoring
 from harness.results.common import RecordingInfo
@@ -22,10 +22,9 @@ from harness.results.diagnosis import DiagnosisResult, FitResult, HoldoutResult,
 from harness.results.robot import MatchResult, PasteResult, RobotResult, SimulatedResult
 from harness.robot.arm import Arm
 from harness.robot.coupling import Coupling
-from harness.robot.elsewhere import elsewhere
 from harness.robot.match.compared import Compared
 from harness.robot.match.sampled import RULES
-from harness.robot.paste import JointPaste, copies
+from harness.robot.paste import JointPaste, copies, elsewhere
 from harness.robot.pictured import pictured
 from harness.robot.replay.replay import MUJOCO, PYBULLET, replayed
 from harness.show.report.robot import match_page

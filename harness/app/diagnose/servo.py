@@ -16,7 +16,7 @@ from harness.app.shared.progress import SILENT, Progress
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError
 from harness.core.quantity import Quantity
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 from harness.io.logs.read import read_joint_log
 from harness.io.options import ReadOptions
 from harness.model.model import Model, Restoring

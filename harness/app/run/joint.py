@@ -23,9 +23,8 @@ from harness.results.robot import PasteResult
 from harness.results.run import JointRunResult, JointScore
 from harness.robot.arm import Arm, load_arm
 from harness.robot.as_it_is import as_it_is
-from harness.robot.elsewhere import elsewhere
 from harness.robot.own_model import words
-from harness.robot.paste import JointPaste, copies
+from harness.robot.paste import JointPaste, copies, elsewhere
 from harness.robot.pictured import moved
 from harness.robot.reduction import Reduced, reduced
 from harness.show.report.robot import joint_page

@@ -17,7 +17,7 @@ from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.bounded import MOST_DOCUMENT_BYTES, parse_json, read_bytes
 from harness.core.errors import InputError
 from harness.core.recording import LARGEST, LONGEST_TIME
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 from harness.io.encoders import unwrapped
 from harness.io.logs.naming import no_such, renamed, same_joints
 from harness.io.logs.raw import SI_UNITS, Field, Fields, LogOptions, Raw, one_of

@@ -14,7 +14,7 @@ from harness.core.arrays import FloatArray
 from harness.core.bounded import MOST_BYTES, check_file, check_size
 from harness.core.checks import finite
 from harness.core.errors import InputError
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 from harness.io.logs import bags, lerobot, plain
 from harness.io.logs.finish import Finished, Gain, finished
 from harness.io.logs.joined import joined

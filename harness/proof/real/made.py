@@ -1,14 +1,21 @@
-"""Which recordings a proof on real machines makes, and each from the files that were given."""
+"""Which recordings a proof on real machines makes, each from the files that were given, and the effects put into it.
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+Effects are exact on a real recording, whatever the machine does besides. Of a free decay the sensor and the clock: what
+is logged is another function of what moved. Of a driven axis a known force g(x, v, t) is added to the measured one: the
+same motion, so that the machine resists by g more. g is smooth where v changes sign, since there v is known worst.
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 
+from harness.core.arrays import FloatArray
 from harness.proof.paths.files import packed
-from harness.proof.real.effects import EFFECTS, effects_of
+from harness.proof.plant.base import log_uniform
 from harness.proof.real.measured import Measured, Rig
 
 UNTOUCHED, CONSTRUCTED, SWITCHED, REPEATED = "real-untouched", "real-constructed", "real-switched", "real-repeated"
@@ -105,3 +112,129 @@ def made(
         "arguments": [part for name, value in options.items() for part in (f"--{name}", value)],
     }
     return packed({blind[file]: one.text for file, one in parts.items()}), {**about, **common}
+
+
+Rng = np.random.Generator
+Force = Callable[[FloatArray, FloatArray, FloatArray, Rng], FloatArray]
+"""Of t, x, v (n,): the form of g (n,), of any size."""
+
+
+@dataclass(frozen=True, slots=True)
+class Constructed:
+    """A recording with an effect. amount : its size; of a force its rms over what the base leaves of the force, both
+    beyond the base. r2 : of that base on the untouched recording, None where there is no force."""
+
+    recording: Measured
+    amount: float
+    r2: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Effect:
+    """right : names that tell it. moves : numbers that it moves, 1 up and -1 down; of neither nothing is to be told."""
+
+    applies: Callable[[Rig], bool]
+    put: Callable[[Measured, Rng], Constructed]
+    right: tuple[str, ...] = ()
+    moves: Mapping[str, int] = field(default_factory=dict)
+
+
+def _gained(one: Measured, rng: Rng) -> Constructed:
+    gain = log_uniform(rng, 0.03, 0.3)
+    return Constructed(one.with_channels(**{c: (1.0 + gain) * y for c, y in one.channels.items()}), gain)
+
+
+def _late(one: Measured, rng: Rng) -> Constructed:
+    late = log_uniform(rng, 0.3, 10.0) * float(np.median(np.diff(one.t)))
+    return Constructed(one.with_channels(one.t + late), late)
+
+
+def _curved(one: Measured, rng: Rng) -> Constructed:
+    """x + q x^2 about the middle of what was logged; the amount is the deviation at the largest x, over that x."""
+    x = one.channels["x"] - np.median(one.channels["x"])
+    far, bend = float(np.max(np.abs(x))), log_uniform(rng, 0.01, 0.15)
+    return Constructed(
+        one.with_channels(x=one.channels["x"] + float(rng.choice([-1.0, 1.0])) * bend / far * x**2), bend
+    )
+
+
+def _fast(one: Measured, rng: Rng) -> Constructed:
+    fast = log_uniform(rng, 0.001, 0.03)
+    return Constructed(one.with_channels(one.t[0] + (1.0 + fast) * (one.t - one.t[0])), fast)
+
+
+def _beside(form: Force, of_base: bool = False) -> Callable[[Measured, Rng], Constructed]:
+    """A force beside the measured one. of_base : it is one that the base has, so that all of it counts."""
+
+    def put(one: Measured, rng: Rng) -> Constructed:
+        (x, v, a), u = one.smoothed().T, one.channels["u"]
+        slow = 0.02 * float(np.max(np.abs(v)))
+        base = np.column_stack([np.ones_like(v), v, a, np.tanh(v / slow), *one.covariates.values()])
+
+        def beyond(y: FloatArray) -> FloatArray:
+            return np.asarray(y - base @ np.linalg.lstsq(base, y, rcond=None)[0])
+
+        g, size = form(one.t - one.t[0], x - np.mean(x), v, rng), log_uniform(rng, 0.5, 10.0)
+        left = float(np.std(beyond(u)))
+        seen = float(np.std(g if of_base else beyond(g)))
+        r2 = 1.0 - left**2 / float(np.var(u))
+        return Constructed(one.with_channels(u=u + size * left / seen * g), size, r2)
+
+    return put
+
+
+def _fastest(v: FloatArray) -> float:
+    """A speed that the motion reaches and a few samples alone exceed."""
+    return float(np.quantile(np.abs(v), 0.98))
+
+
+def _drag(t: FloatArray, x: FloatArray, v: FloatArray, rng: Rng) -> FloatArray:
+    """Linear at rest, quadratic beyond a speed of its own."""
+    return v * np.hypot(v, 0.1 * _fastest(v))
+
+
+def _one_sided(t: FloatArray, x: FloatArray, v: FloatArray, rng: Rng) -> FloatArray:
+    return float(rng.choice([-1.0, 1.0])) * np.hypot(v, 0.05 * _fastest(v))
+
+
+def _ripple(t: FloatArray, x: FloatArray, v: FloatArray, rng: Rng) -> FloatArray:
+    turns = 2.0 * math.pi * log_uniform(rng, 3.0, 15.0) / float(np.ptp(x))
+    phase = rng.uniform(0.0, 6.3)
+    return np.asarray(np.cos(turns * x + phase) + 0.2 * np.cos(2.0 * (turns * x + phase)))
+
+
+def _hum(t: FloatArray, x: FloatArray, v: FloatArray, rng: Rng) -> FloatArray:
+    """A line between those of the motion and half the rate of sampling."""
+    turned = np.count_nonzero(np.diff(np.signbit(x - np.mean(x)))) / (2.0 * t[-1])
+    rate = 0.5 / float(np.median(np.diff(t)))
+    omega = 2.0 * math.pi * min(log_uniform(rng, 3.3, 30.0) * max(turned, 2.0 / t[-1]), 0.3 * rate)
+    return np.asarray(np.sin(omega * t + rng.uniform(0.0, 6.3)))
+
+
+def _decays(rig: Rig) -> bool:
+    return not rig.driven
+
+
+def _drives(rig: Rig) -> bool:
+    return rig.driven and "x" in rig.channels
+
+
+EFFECTS: Mapping[str, Effect] = {
+    # an angle in wrong units swings otherwise: a pendulum's period tells its amplitude
+    "gain of the sensor": Effect(lambda rig: _decays(rig) and not (rig.angular and "x" in rig.channels), _gained,
+                                 moves={"x_k": 1}),
+    "late by a delay": Effect(_decays, _late),
+    "x + q x^2": Effect(lambda rig: _decays(rig) and "x" in rig.channels, _curved, ("sensor-curvature",)),
+    "a clock that runs fast": Effect(_decays, _fast, moves={"omega_n": -1}),
+    "drag": Effect(_drives, _beside(_drag), ("quadratic-drag", "power-law-damping")),
+    "one-sided damping": Effect(_drives, _beside(_one_sided), ("asymmetric-viscous",)),
+    "ripple along the way": Effect(_drives, _beside(_ripple), ("force-ripple",)),
+    "hum": Effect(_drives, _beside(_hum), ("harmonic-force",)),
+    "damping": Effect(_drives, _beside(lambda t, x, v, rng: v, of_base=True), moves={"c": 1}),
+}  # fmt: skip
+"""By a name in words."""
+
+
+def effects_of(rig: Rig) -> list[str]:
+    """Those that are exact on a recording."""
+    return [name for name, effect in EFFECTS.items() if effect.applies(rig)]

@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 from harness.robot.arm import Arm
 from harness.robot.match.change import Change, mended, with_load_of, worth_trying
 from harness.robot.match.sampled import (

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 from harness.diagnosis.rules import Rule
 from harness.robot.arm import Arm
 from harness.robot.smooth import Even, moving

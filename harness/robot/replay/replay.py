@@ -15,7 +15,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 from harness.engines.mujoco.presets import warned
 from harness.robot.arm import Arm, load_arm
 from harness.robot.bare import bare_model

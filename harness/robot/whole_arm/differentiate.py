@@ -8,7 +8,7 @@ import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import InputError
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 from harness.estimate.rest import rests, turning
 from harness.robot.arm import Arm
 from harness.robot.smooth import Band, white_sd

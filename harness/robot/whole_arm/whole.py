@@ -10,7 +10,7 @@ from harness.core.arrays import FloatArray
 from harness.core.checks import not_negative
 from harness.core.errors import InputError
 from harness.core.quantity import Quantity
-from harness.core.robot.joint_log import JointLog
+from harness.core.robot import JointLog
 from harness.robot.arm import Arm
 from harness.robot.friction_curve import FrictionCurve
 from harness.robot.whole_arm.columns import (

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Final, Literal
 
-from harness.robot.words.inherit import Defaults, family
-from harness.robot.words.read import Node
+from harness.robot.words.read import Defaults, Node, family
 from harness.robot.words.table import Fate, Form, Word
 from harness.robot.words.touching import Beaten, Touching, numbers
 

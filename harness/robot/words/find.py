@@ -12,11 +12,10 @@ from pathlib import Path
 from typing import Final
 
 from harness.robot.words.effect import Effects
-from harness.robot.words.found import Found, place_of
 from harness.robot.words.read import Node, nodes_of, unread
 from harness.robot.words.table import FORMS, Form, Kind, Taken, Word, table
 from harness.robot.words.touching import numbers
-from harness.robot.words.values import NUMBER, checked, no_file
+from harness.robot.words.values import NUMBER, Found, checked, no_file, place_of
 
 _TELLING: Final[dict[Kind, str]] = {
     "friction": r"frict|stiction|coulomb|stribeck|breakaway",

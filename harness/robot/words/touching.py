@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
 
-from harness.robot.words.inherit import Defaults
-from harness.robot.words.read import Node
+from harness.robot.words.read import Defaults, Node
 
 _FRICTION: Final = (1.0, 0.005, 0.0001)
 """Of a geom that says none: sliding, torsional (m), rolling (m)."""

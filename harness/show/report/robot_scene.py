@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.core.robot.bodies import Bodies
+from harness.core.robot import Bodies
 from harness.core.trajectory import Trajectory
 from harness.results.diagnosis import DiagnosisResult
 from harness.results.run import JointRunResult

@@ -1,1 +1,0 @@
-"""A robot: the log of its joints, and its bodies as they are drawn."""
