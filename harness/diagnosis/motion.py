@@ -7,6 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
+from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.problem import Problem
+from harness.model.model import ModelTerm
+from harness.model.term import Place, Seen
 
 _SMOOTH = 1.0 / 12.0
 """Of a period: running means of it lose 1 % of a sine, and noise more."""
@@ -76,3 +80,8 @@ def motion_of(t: FloatArray, channels: Mapping[str, FloatArray], omega: float) -
     for lo, hi in zip(np.flatnonzero(edges == 1), np.flatnonzero(edges == -1), strict=True):
         stuck[lo:hi] = t[hi - 1] - t[lo] > _REST * period
     return Motion(x, v, stuck, omega)
+
+
+def place_of(entry: ModelTerm, found: Fit, problem: Problem, omega: float) -> Place:
+    """Where a term of a fitted model acts; omega in rad/s."""
+    return entry.term.place(entry.values, Seen(problem.t, found.shown.x, found.shown.y, omega))

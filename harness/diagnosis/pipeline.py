@@ -15,9 +15,16 @@ from harness.core.errors import InputError, SimulationError
 from harness.core.quantity import Quantity
 from harness.core.recording import Recording
 from harness.diagnosis.explain.could_hide import could_hide, most_shifted, with_systematic
-from harness.diagnosis.explain.mechanism import each_of, mechanism, of_force, of_misfit, remainder, remainder_of_force
+from harness.diagnosis.explain.mechanism import (
+    each_of,
+    mechanism,
+    of_force,
+    of_misfit,
+    remainder,
+    remainder_of_force,
+    shifted_by_form,
+)
 from harness.diagnosis.explain.next_experiment import left_open, left_open_by_grade
-from harness.diagnosis.explain.other_forms import shifted_by_form
 from harness.diagnosis.explain.sentences import (
     by_form,
     cautions,
@@ -31,7 +38,7 @@ from harness.diagnosis.explain.sentences import (
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.standard_errors import base_parameters
 from harness.diagnosis.grading.beginning import after_first_turn, from_the_beginning, from_within, with_second
-from harness.diagnosis.grading.clock_drift import off_the_clock, with_clock
+from harness.diagnosis.grading.clocks import off_the_clock, with_clock
 from harness.diagnosis.grading.grade import Graded, grade
 from harness.diagnosis.grading.misfit import misfit
 from harness.diagnosis.grading.posterior import of_contest, of_search, probability

@@ -10,8 +10,7 @@ from harness.diagnosis.grading.contest import Contest
 from harness.diagnosis.grading.lone import next_best, stand_ins, undecided
 from harness.diagnosis.grading.posterior import of_search, probability
 from harness.diagnosis.outcome import Grade, Verdict
-from harness.diagnosis.residual_tests.free_curve import UNNAMED
-from harness.diagnosis.residual_tests.structure import Left
+from harness.diagnosis.residual_tests.structure import UNNAMED, Left
 from harness.diagnosis.rules import (
     AMONG_NAMES,
     APART,

@@ -26,7 +26,7 @@ from harness.diagnosis.problems.simulated import observe
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.search.search import Search
-from harness.diagnosis.sensors.sensor_model import motion_at, sensed
+from harness.diagnosis.sensor_model import motion_at, sensed
 from harness.diagnosis.stages import Found
 from harness.diagnosis.starts import Window, Windows
 from harness.engines.simulator import EngineSimulator

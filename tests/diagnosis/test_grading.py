@@ -13,8 +13,7 @@ from harness.diagnosis.explain.sentences import keeping_time
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.grading.beginning import after_first_turn, from_the_beginning
 from harness.diagnosis.grading.contest import Finalist, decided, in_step
-from harness.diagnosis.grading.friction_split import resplit
-from harness.diagnosis.grading.grade import Graded, grade
+from harness.diagnosis.grading.grade import Graded, grade, resplit
 from harness.diagnosis.grading.misfit import misfit
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.parameters import free_of

@@ -13,7 +13,7 @@ from harness.core.recording import Recording
 from harness.diagnosis.explain import holdout as periods
 from harness.diagnosis.explain.locate import locate
 from harness.diagnosis.grading.prediction import Predicted, surely_less
-from harness.diagnosis.inverse_dynamics import holdout as windows
+from harness.diagnosis.inverse_dynamics import validate as windows
 from harness.diagnosis.motion import Motion, motion_of
 from harness.diagnosis.pipeline import diagnose, explain, fit_base, judge, prepare, search
 from harness.diagnosis.prepare.driven import forced_problem

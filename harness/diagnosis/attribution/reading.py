@@ -28,7 +28,7 @@ from harness.diagnosis.problems.driven import Forced
 from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.problems.simulated import COARSE
 from harness.diagnosis.request import Asked
-from harness.diagnosis.sensors.sensor_model import channels_at
+from harness.diagnosis.sensor_model import channels_at
 from harness.kernels.solve import Scales
 from harness.model.model import Model, ModelTerm
 from harness.model.term import Slot

@@ -13,7 +13,7 @@ from harness.core.trajectory import Trajectory
 from harness.diagnosis.fit.rmse import rms, rmse
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.simulated import observe
-from harness.diagnosis.sensors.sensor_model import latest, sensed
+from harness.diagnosis.sensor_model import latest, sensed
 from harness.kernels.solve import Drive, Scales
 from harness.model.model import Model
 

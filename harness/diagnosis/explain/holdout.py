@@ -16,8 +16,8 @@ import numpy as np
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.fit.model_fit import Fit, fit
-from harness.diagnosis.fit.place import place_of
 from harness.diagnosis.fit.rmse import rmse
+from harness.diagnosis.motion import place_of
 from harness.diagnosis.outcome import Forced, Holdout
 from harness.diagnosis.parameters import base_of, free_of
 from harness.diagnosis.problem import Problem

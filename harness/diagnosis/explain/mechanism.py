@@ -2,33 +2,39 @@
 
 A term is named by a search that it explains, or by the grades of a misfit or of a fitted force. Of a misfit stands
 here, too, what the best model found leaves of it: how much, and what it hangs on.
+
+A law is named by its mechanism; its formula is one of several that people publish, and beside another one, or beside
+another name that is listed, what is left to viscous and Coulomb friction is another share. The standard errors of a fit
+know nothing of that: what another form would shift the other numbers by is said here.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray
+from harness.core.quantity import Quantity
 from harness.diagnosis.baseline.words import Strokes
 from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.fit.place import place_of
-from harness.diagnosis.fit.standard_errors import AT_LEAST, term_parameters
+from harness.diagnosis.fit.standard_errors import AT_LEAST, base_parameters, plain_parameters, term_parameters
 from harness.diagnosis.grading.clocks import beat, on_the_swing
 from harness.diagnosis.grading.contest import Finalist
 from harness.diagnosis.grading.grade import Graded
 from harness.diagnosis.grading.lone import next_best, stand_ins
 from harness.diagnosis.grading.prediction import Predicted
 from harness.diagnosis.inverse_dynamics.grade import ForceGraded
+from harness.diagnosis.motion import place_of
 from harness.diagnosis.outcome import Alternative, Grade, Mechanism, Prediction, Remainder
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.rules import DECISIVE, MOST_LISTED
 from harness.diagnosis.search.extend import key_of
-from harness.diagnosis.search.search import Search, under
+from harness.diagnosis.search.search import Search, forms, under
 from harness.fit.autocorrelation import memory
+from harness.kernels.solve import Scales
 from harness.model.model import ModelTerm
-from harness.model.registry import not_parted
+from harness.model.registry import not_parted, other_forms_of
 
 _SPRING_SEEN = 0.1
 """Of friction and damping: a spring whose force is weaker has no rest position that could be spoken of."""
@@ -235,3 +241,42 @@ def _explained(rows: Sequence[FloatArray], y: FloatArray, words: float) -> float
     between = sum(float(np.sum(np.bincount(part, r)[used] ** 2 / count[used])) for r in rows)
     k = float(np.count_nonzero(used))
     return float(min(max(1.0 - (1.0 - between / total) * (words - 1.0) / max(words - k, 1.0), 0.0), 1.0))
+
+
+def shifted_by_form(
+    refined: Fit, listed: Iterable[Fit], problem: Problem, scales: Scales, explained: bool
+) -> dict[str, float]:
+    """The most by which other forms of a model's laws, or listed ones, would shift each of its numbers, by name.
+
+    A shift counts with as much of its error as it has beyond the number's own. Beside a form that is free already one
+    that is free otherwise counts by what the one leaves beyond noise over what the other leaves, in rms: so far is what
+    is true from either.
+    """
+    here, found = _numbers(refined, problem, scales, explained), dict[str, float]()
+    # a free form has those of its law as special cases, and leaves no more
+    freed = ((other, _nearer(refined, other)) for other in forms(refined, problem, scales, other_forms_of))
+    whole = ((other, 1.0) for other in (*forms(refined, problem, scales), *listed))
+    for other, share in (*whole, *freed):
+        for name, there in _numbers(other, problem, scales, explained).items():
+            by = _shift(here.get(name), there)
+            if by is not None:
+                found[name] = max(share * by, found.get(name, 0.0))
+    return found
+
+
+def _nearer(here: Fit, there: Fit) -> float:
+    """What one fit leaves beyond noise over what another leaves, rms; 1 at most."""
+    left, more = (max(one.chi2 - one.points, 0.0) for one in (here, there))
+    return math.sqrt(left / more) if more > left else 1.0
+
+
+def _numbers(found: Fit, problem: Problem, scales: Scales, explained: bool) -> dict[str, Quantity]:
+    """As results give them, and as they stand in the model."""
+    plain = plain_parameters(found, problem, scales.omega, explained)
+    return plain | base_parameters(found, problem, scales.omega, explained)
+
+
+def _shift(here: Quantity | None, there: Quantity) -> float | None:
+    if here is None or here.value is None or there.value is None or here.stderr is None or there.stderr is None:
+        return None
+    return math.hypot(there.value - here.value, math.sqrt(max(there.stderr**2 - here.stderr**2, 0.0)))

@@ -1,19 +1,32 @@
 """Laws with a clock of their own, and when it keeps time with the motion: such a law follows any other.
 
-A resonator is a clock too, at its own frequency: shaken on the swing it answers with whatever phase is asked.
+A resonator is a clock too, at its own frequency: shaken on the swing it answers with whatever phase is asked. And a
+recording's clock may drift in rate, which one channel does not tell from a spring whose stiffness does.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 
-from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.problem import Problem
-from harness.diagnosis.rules import BEAT, SAME_CLOCK
+from harness.core.arrays import FloatArray
+from harness.core.errors import SimulationError
+from harness.diagnosis.fit.model_fit import Fit, fit
+from harness.diagnosis.parameters import free_of
+from harness.diagnosis.problem import P, Problem
+from harness.diagnosis.problems.free_decay import FreeDecay
+from harness.diagnosis.problems.simulated import observe
+from harness.diagnosis.residual_tests.structure import Left, left_by
+from harness.diagnosis.rules import BEAT, CLOCK_DRIFT, SAME_CLOCK
+from harness.diagnosis.search.extend import settle
+from harness.diagnosis.search.search import Search, noise_of, under
 from harness.fit.autocorrelation import lagged
+from harness.kernels.solve import Scales
 from harness.model.model import ModelTerm
 from harness.model.term import Slot
+from harness.model.terms import clock_drift, stiffness_drift
 
 _RESONATOR, _DAMPED = "omega_2", "zeta_2"
 """Of a mass that rides on the slider: its frequency, and its damping, half its band over that."""
@@ -102,3 +115,120 @@ def _one(first: float, second: float, span: float) -> bool:
 def _apart(span: float) -> float:
     """Least difference, rad/s, of two rates that a recording of ``span`` s tells apart."""
     return SAME_CLOCK.value * 2.0 * math.pi / span
+
+
+_WITHIN = (0.5, 0.05, 0.005)
+"""Of a rate, how far from it others are tried, turn by turn, beginning at the one that stands for the stiffness's."""
+_APART = (0.1, 0.02)
+"""Of half of it and of its square: how far pairs of rate and bend are tried, turn by turn."""
+_SHARE = 1e-3
+"""Of a rate, over which a slope by it is taken."""
+
+
+def with_clock(found: Search, scales: Scales) -> Search:
+    """The search with a drifting clock among the rivals of a lone drift of stiffness that clocks are known to have.
+
+    As many numbers follow the same recording: the base under another time. Where its acceleration is measured beside
+    its position, the clock leaves more, and is no rival.
+    """
+    problem, terms = found.problem, found.chosen.model.terms
+    if (
+        not found.explained
+        or [e.term.name for e in terms] != [stiffness_drift.TERM.name]
+        or not isinstance(problem, FreeDecay)
+    ):
+        return found
+    # a frequency goes with the root of a stiffness
+    slope = 0.5 * terms[0].values[0]
+    if abs(slope) * problem.duration > CLOCK_DRIFT.value:
+        return found
+    with suppress(SimulationError):
+        rival = _as_law(found.base, problem, _rate(found.base, problem, slope, scales), scales)
+        rivals = sorted((*found.rivals, rival), key=lambda one: one.bic)
+        return replace(found, rivals=tuple(rivals))
+    return found
+
+
+def off_the_clock(found: Search, scales: Scales) -> tuple[Search, str] | None:
+    """The search on a clock that drifts as clocks do, and a sentence on it, where viscous and Coulomb friction then
+    meet the noise and no law did by the recording's own; None else.
+
+    Where two channels are measured, a stiffness that drifts leaves what such a clock explains.
+    """
+    problem = found.problem
+    if found.explained or not isinstance(problem, FreeDecay) or not found.singles:
+        return None
+    nearest = found.singles[0]
+    if [e.term.name for e in nearest.model.terms] != [stiffness_drift.TERM.name]:
+        return None
+    slope = 0.5 * nearest.model.terms[0].values[0]
+    if abs(slope) * problem.duration > CLOCK_DRIFT.value:
+        return None
+    with suppress(SimulationError):
+        slope, bend = _bend(found.base, problem, _rate(found.base, problem, slope, scales), scales)
+        timed = _timed(found.base, problem, slope, bend)
+        here = fit(found.base.model, timed, found.base.free, scales)
+        timed = replace(timed, noise=noise_of(here, timed, scales.omega), clock=(problem.t, timed.t - problem.t))
+        here = settle(under(here, timed), timed, scales)
+        if left_by(here, timed, scales.omega, here) is Left.NOISE:
+            percent = 100.0 * slope * problem.duration
+            note = f"the recording's clock drifts: its rate changes by {percent:.2g} % from begin to end, allowed for"
+            return Search(timed, here, here, (), (), Left.NOISE), note
+    return None
+
+
+def _rate(base: Fit, problem: Problem, slope: float, scales: Scales) -> float:
+    """The rate (1/s) near ``slope`` by which the clock drifts that leaves least."""
+    for within in _WITHIN:
+        slope = _least(lambda rate: _under_clock(base, problem, rate, scales).chi2, slope, within * abs(slope))
+    return slope
+
+
+def _bend(base: Fit, problem: Problem, slope: float, scales: Scales) -> tuple[float, float]:
+    """The same with the rate's own change beside (1/s^2): in which time the rate changes evenly, nobody knows."""
+
+    def chi2(at: FloatArray) -> float:
+        return fit(base.model, _timed(base, problem, float(at[0]), float(at[1])), base.free, scales).chi2
+
+    best = np.array([slope, 0.0])
+    for within in _APART:
+        one, other = np.diag([0.5 * abs(slope), slope**2]) * within
+        here, up, down, right, left = map(chi2, (best, best + one, best - one, best + other, best - other))
+        cross = chi2(best + one + other) - up - right + here
+        curved = np.array([[up - 2.0 * here + down, cross], [cross, right - 2.0 * here + left]])
+        if np.linalg.det(curved) <= 0.0 or curved[0, 0] <= 0.0:
+            break
+        step = -np.linalg.solve(curved, 0.5 * np.array([up - down, right - left]))
+        best = best + step[0] * one + step[1] * other
+    return float(best[0]), float(best[1])
+
+
+def _least(chi2: Callable[[float], float], middle: float, apart: float) -> float:
+    """Where a parabola through three numbers beside each other is least; the best of them where it has no bottom."""
+    tried = [(at, chi2(at)) for at in (middle - apart, middle, middle + apart)]
+    low, here, high = (value for _, value in tried)
+    curved = low - 2.0 * here + high
+    return middle + 0.5 * apart * (low - high) / curved if curved > 0.0 else min(tried, key=lambda one: one[1])[0]
+
+
+def _under_clock(base: Fit, problem: Problem, slope: float, scales: Scales) -> Fit:
+    """The base fitted to the recording by a clock whose rate changes by ``slope`` (1/s)."""
+    return fit(base.model, _timed(base, problem, slope), base.free, scales)
+
+
+def _timed(base: Fit, problem: P, slope: float, bend: float = 0.0) -> P:
+    since = problem.t - base.model.t0
+    return replace(problem, t=problem.t + 0.5 * slope * since**2 + bend * since**3)
+
+
+def _as_law(base: Fit, problem: Problem, slope: float, scales: Scales) -> Fit:
+    """The same as a fit of a model that has the clock for a term, so that it is counted and said like any law."""
+    here = _under_clock(base, problem, slope, scales)
+    beside = observe(here.model, _timed(base, problem, (1.0 + _SHARE) * slope), scales=scales).y
+    dy = {
+        c: np.column_stack([partials, (beside[c] - here.shown.y[c]) / (_SHARE * slope)])
+        for c, partials in here.shown.dy.items()
+    }
+    model = here.model.with_terms(ModelTerm(clock_drift.TERM, (slope,)))
+    free = (*here.free, *free_of(model, ()))
+    return under(replace(here, model=model, free=free, shown=replace(here.shown, dy=dy)), problem)

@@ -13,8 +13,7 @@ from harness.diagnosis.baseline.words import evidence, strokes_of, words_beside
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.grading.contest import Contest
 from harness.diagnosis.outcome import Hypothesis
-from harness.diagnosis.residual_tests.free_curve import UNNAMED, evidence_of_curve
-from harness.diagnosis.residual_tests.structure import Left
+from harness.diagnosis.residual_tests.structure import UNNAMED, Left, evidence_of_curve
 from harness.diagnosis.rules import NAMES
 from harness.diagnosis.search.against import against, among_names
 from harness.diagnosis.search.extend import key_of

@@ -14,9 +14,9 @@ from harness.diagnosis.grading.contest import Contest, Finalist, decided, shown_
 from harness.diagnosis.grading.grade import cells_of
 from harness.diagnosis.grading.prediction import blocks_of
 from harness.diagnosis.inverse_dynamics.force_screen import seen_in
-from harness.diagnosis.inverse_dynamics.holdout import held_out
 from harness.diagnosis.inverse_dynamics.left_over import LeftOver
 from harness.diagnosis.inverse_dynamics.strokes import ForceWords, force_words
+from harness.diagnosis.inverse_dynamics.validate import held_out
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.rules import CONFIRMED, FORCE_POSTERIOR, GAIN, SHARE_OF_EXCESS, Weights

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from harness.core.errors import InputError, SimulationError
 from harness.diagnosis.baseline.base_fit import baseline
-from harness.diagnosis.baseline.stamps import likelihood, stamped
+from harness.diagnosis.baseline.residual_noise import likelihood, stamped
 from harness.diagnosis.covariates.following import allowing, enter
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.rmse import only_started

@@ -9,9 +9,8 @@ import numpy as np
 
 from harness.diagnosis.explain.force_map import ForceMap, measured_map
 from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.inverse_dynamics.holdout import holdout_windows
 from harness.diagnosis.inverse_dynamics.search import force_baseline, left_said, moving, search_driven
-from harness.diagnosis.inverse_dynamics.validate import Judge
+from harness.diagnosis.inverse_dynamics.validate import Judge, holdout_windows
 from harness.diagnosis.kinds.kind import Kind
 from harness.diagnosis.motion import Motion
 from harness.diagnosis.outcome import Holdout

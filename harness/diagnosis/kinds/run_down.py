@@ -7,7 +7,7 @@ from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.free_decay import DecaysTogether, based
 from harness.diagnosis.kinds.kind import Kind
 from harness.diagnosis.problems.run_down import RunDown
-from harness.diagnosis.problems.run_downs_together import RunDownsTogether
+from harness.diagnosis.problems.together import RunDownsTogether
 from harness.diagnosis.search.long_recordings import lifted
 from harness.diagnosis.search.search import search
 from harness.diagnosis.stages import Based, Found

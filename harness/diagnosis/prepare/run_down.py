@@ -16,7 +16,7 @@ from harness.diagnosis.moves.falling import falls
 from harness.diagnosis.moves.kinds import MotionKind
 from harness.diagnosis.prepare.free_decay import in_common, said_once
 from harness.diagnosis.problems.run_down import RunDown
-from harness.diagnosis.problems.run_downs_together import RunDownsTogether
+from harness.diagnosis.problems.together import RunDownsTogether
 from harness.diagnosis.request import Asked
 from harness.diagnosis.smoothed_state.local_cubics import longest_interval, smoothed
 from harness.diagnosis.starts import AtSpeed, OneStart

@@ -14,7 +14,7 @@ import numpy as np
 from harness.core.arrays import FloatArray, IntArray
 from harness.core.events import Events
 from harness.diagnosis.problem import Observation, Problem
-from harness.diagnosis.sensors.sensor_model import Kinematics, Reading, lag_of, read
+from harness.diagnosis.sensor_model import Kinematics, Reading, lag_of, read
 from harness.diagnosis.starts import Start
 from harness.kernels.solve import By, Effort, Scales, Solution, solve
 from harness.model.covariate import Acts, Covariate

@@ -7,7 +7,7 @@ import numpy as np
 
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.fit.place import place_of
+from harness.diagnosis.motion import place_of
 from harness.diagnosis.prepare.release import without_hand
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.residual_tests.structure import Left, left_by

@@ -20,8 +20,8 @@ from harness.core.errors import SimulationError
 from harness.diagnosis.fit.model_fit import Fit, evaluate, whitened
 from harness.diagnosis.grading.misfit import Misfit
 from harness.diagnosis.grading.prediction import Predicted, blocks_of, by_blocks, ratio, surely_less
-from harness.diagnosis.inverse_dynamics.holdout import held_out, left_out
 from harness.diagnosis.inverse_dynamics.strokes import ForceWords
+from harness.diagnosis.inverse_dynamics.validate import held_out, left_out
 from harness.diagnosis.parameters import Free, base_of, free_of, with_friction
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.inverse import InverseDynamics

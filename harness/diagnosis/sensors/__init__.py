@@ -1,1 +1,0 @@
-"""The sensor model, and motions read at the times of a recording."""
