@@ -32,7 +32,7 @@ from harness.results.common import Where
 from harness.results.compare import Aligned, ChannelPair, CompareResult, Difference, Event, Largest, Reading
 from harness.show.blocks import Page
 from harness.show.report.compare import Shown, compare_headline, compare_page, compare_scene, rows_of
-from harness.show.sentences.compare import compare_sentences
+from harness.show.sentences import compare_sentences
 from harness.show.stored import StoredTrace
 
 FIGURES = ("omega_n", "zeta", "x_k", "amplitude", "rest")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.core.arrays import FloatArray
-from harness.diagnosis.inverse_dynamics.force_screen import sayable
+from harness.diagnosis.inverse_dynamics.grade import sayable
 from harness.diagnosis.parameters import Free, free_of, values_of, with_values
 from harness.diagnosis.problems.asked import given_force
 from harness.diagnosis.problems.measured import BLOCK, Laid, Measured

@@ -17,7 +17,7 @@ from harness.fidelity.scores import FLOOR, LABELS, badness, cards, distance, fig
 from harness.show.numbers import number
 from harness.show.report.effort import efforts
 from harness.show.report.glance import Glance, glances
-from harness.show.sentences.sweep import sentences
+from harness.show.sentences import sentences
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser

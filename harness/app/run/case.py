@@ -36,7 +36,7 @@ from harness.model.term import Slot
 from harness.results.run import Metrics, TraceResult
 from harness.robot.own_model import OwnModel
 from harness.robot.paste import stiff_friction
-from harness.show.sentences.run import conclusions, position_error
+from harness.show.sentences import conclusions, position_error
 
 _PERIODS = 10.0
 _LONGEST = 200.0

@@ -21,7 +21,7 @@ from harness.show.blocks import Page
 from harness.show.report.motion import run_scene
 from harness.show.report.page import made_with, write_report
 from harness.show.report.sweep import Worst, sweep_sections
-from harness.show.sentences.sweep import percent
+from harness.show.sentences import percent
 from harness.show.stored import read_trace
 from harness.show.trace import write_trace
 

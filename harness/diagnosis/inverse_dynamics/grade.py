@@ -1,5 +1,8 @@
-"""Grades of a fitted force: which law is the main part of what the base model leaves of it."""
+"""Grades of a fitted force: which laws of the catalogue would take most off what inverse dynamics leave of it, and
+which of them is the main part of what the base model leaves.
+"""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -13,15 +16,22 @@ from harness.diagnosis.grading.clocks import in_step, on_the_swing
 from harness.diagnosis.grading.contest import Contest, Finalist, decided, shown_as_part
 from harness.diagnosis.grading.grade import cells_of
 from harness.diagnosis.grading.prediction import blocks_of
-from harness.diagnosis.inverse_dynamics.force_screen import seen_in
 from harness.diagnosis.inverse_dynamics.left_over import LeftOver
+from harness.diagnosis.inverse_dynamics.protocol import periods
 from harness.diagnosis.inverse_dynamics.strokes import ForceWords, force_words
 from harness.diagnosis.inverse_dynamics.validate import held_out
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.problems.inverse import InverseDynamics
+from harness.diagnosis.problems.measured import Measured
 from harness.diagnosis.rules import CONFIRMED, FORCE_POSTERIOR, GAIN, SHARE_OF_EXCESS, Weights
 from harness.diagnosis.search.against import in_company
+from harness.diagnosis.search.look import Recorded, within
+from harness.diagnosis.search.screen import direct, screen
+from harness.fit.along_travel import peaks
 from harness.kernels.solve import Scales
+from harness.model.model import Model
+from harness.model.registry import NAMED
+from harness.model.term import Evidence, Slot, Term
 
 _PREDICTED = 8
 """Names whose predictions are computed."""
@@ -155,3 +165,61 @@ def _looked_at(
         leading=leading(one.fit, problem, index, scales.omega),
         company=company / excess,
     )
+
+
+_SLOTS = frozenset({Slot.SMOOTH, Slot.FRICTION_LAW, Slot.FRICTION_LEVEL, Slot.FRICTION_MODULATION, Slot.INTERNAL})
+_PEAKS = 24
+"""Frequencies of the force left over at which a law that repeats in time is tried."""
+
+
+def sayable(term: Term) -> bool:
+    """Whether a law's force follows from the recorded motion: no event, no sensor."""
+    return term.slot in _SLOTS
+
+
+def seen_in(found: Fit, problem: InverseDynamics, scales: Scales) -> Evidence:
+    """What the laws choose their starts from: the recorded motion, and frequencies at which the residual stands out."""
+    measured = problem.measured
+    every = np.zeros(measured.moving.size)
+    every[measured.moving] = found.residual
+    times = measured.t.reshape(measured.moving.size, -1).mean(axis=1)
+    step = float(np.median(np.diff(times)))
+    power = np.abs(np.fft.rfft(every * np.hanning(every.size), 4 * every.size)) ** 2
+    tops = peaks(power)[:_PEAKS]
+    x, v = measured.x, measured.v
+    return Evidence(
+        x_scale=float(np.max(np.abs(x))),
+        v_scale=float(np.max(np.abs(v))),
+        peak_a=float(np.max(np.abs(measured.a))),
+        low=float(x.min()),
+        high=float(x.max()),
+        f_k=found.model.f_k,
+        k=found.model.k,
+        omega=scales.omega,
+        duration=float(measured.t[-1] - measured.t[0]),
+        frequencies=np.asarray(2.0 * math.pi * tops / (4.0 * every.size * step), dtype=np.float64),
+        knock_times=np.empty(0),
+        driven=True,
+        angular=problem.angular,
+        periods=tuple(_periods(found, measured)),
+    )
+
+
+def _periods(found: Fit, measured: Measured) -> list[float]:
+    """Periods over the travel at which the force left over stands out, at the full rate: a fast pass has its ripple."""
+    left = measured.u - measured.needed(found.model)
+    moving = np.repeat(measured.moving, measured.t.size // measured.moving.size)
+    return periods(measured.x[moving], left[moving])
+
+
+def whole_in(model: Model, measured: Measured) -> bool:
+    """Whether a period, the relaxation, or the bending of a model's last law lies in the recording whole."""
+    return within(model.terms[-1], model.f_k, Recorded.of(measured.t, measured.x, driven=True))
+
+
+def starts(found: Fit, problem: InverseDynamics, scales: Scales) -> list[Model]:
+    """The model with one more law each, at its best probes; first those of which no look can tell."""
+    evidence = seen_in(found, problem, scales)
+    terms = [term for term in NAMED if sayable(term)]
+    looked = (*direct(found, problem, evidence, terms), *screen(found, problem, evidence, scales, terms))
+    return [candidate.model for candidate in looked]

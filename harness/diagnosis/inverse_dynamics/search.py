@@ -23,8 +23,7 @@ from harness.diagnosis.baseline.base_fit import driven_scales
 from harness.diagnosis.fit.model_fit import HASTY, Fit, fit
 from harness.diagnosis.fit.rmse import motion_followed
 from harness.diagnosis.fit.standard_errors import leading, unit_of
-from harness.diagnosis.inverse_dynamics.force_screen import starts, whole_in
-from harness.diagnosis.inverse_dynamics.grade import ForceGraded, graded_by
+from harness.diagnosis.inverse_dynamics.grade import ForceGraded, graded_by, starts, whole_in
 from harness.diagnosis.inverse_dynamics.left_over import LeftOver, beyond_chance, left_over
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.parameters import base_of, free_of

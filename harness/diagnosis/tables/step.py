@@ -13,8 +13,7 @@ from harness.diagnosis.fit.model_fit import Fit, whitened
 from harness.diagnosis.fit.standard_errors import base_parameters, unit_of
 from harness.diagnosis.grading.grade import Graded
 from harness.diagnosis.grading.prediction import Predicted, ratio
-from harness.diagnosis.inverse_dynamics.force_screen import seen_in
-from harness.diagnosis.inverse_dynamics.grade import ForceGraded
+from harness.diagnosis.inverse_dynamics.grade import ForceGraded, seen_in
 from harness.diagnosis.inverse_dynamics.validate import predicted_windows
 from harness.diagnosis.motion import place_of
 from harness.diagnosis.outcome import Grade, Holdout, Mechanism, Outcome, Prediction, Remainder, Surface, Table

@@ -23,7 +23,7 @@ from harness.show.blocks import Cell, Column, Figure, Page, Row, Section, Table,
 from harness.show.numbers import NONE, SHOWN, number, of_names, sentence_quantity, shown_value
 from harness.show.plots import ANGLES, CHANNELS, GROUP, axes, curve, dots, left_by, orbit, per, shades
 from harness.show.report.page import made_with
-from harness.show.sentences.compare import SHOWS, difference_words, faster_words, figure_words, shows, telling
+from harness.show.sentences import SHOWS, difference_words, faster_words, figure_words, shows, telling
 
 FIRST = "#e4632d"
 _APART = "#2b7fd6"

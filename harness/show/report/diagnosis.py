@@ -20,10 +20,9 @@ from harness.results.diagnosis import (
 from harness.results.fleet import FleetResult
 from harness.show import blocks as b
 from harness.show.numbers import NONE, SHOWN, number, quantity, systematic
-from harness.show.report.damping import damping_section
+from harness.show.report.curves import damping_section, law_section, statements
 from harness.show.report.diagnosis_figures import Curves, evidence, left, model_names, nameless, probabilities, shares
 from harness.show.report.identify import samples_of
-from harness.show.report.law import law_section, statements
 from harness.show.report.page import made_with
 from harness.show.report.robot import fleet_sections, joint_beside
 from harness.show.report.run import settings_of

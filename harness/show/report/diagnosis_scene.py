@@ -11,9 +11,9 @@ from harness.core.trajectory import Trajectory
 from harness.results.diagnosis import DiagnosisResult
 from harness.show import scene as s
 from harness.show.blocks import Figure
+from harness.show.report.curves import law_figures
 from harness.show.report.diagnosis import gained, said, to_change
 from harness.show.report.diagnosis_figures import BEFORE, Curves, shaded_spans
-from harness.show.report.law import law_figures
 from harness.show.report.robot_scene import robot_view, torque_tabs
 from harness.show.stored import Shown, parts_of
 

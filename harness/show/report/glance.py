@@ -9,7 +9,7 @@ from harness.fidelity.scores import COLUMNS, Card, distance, figures_of
 from harness.show import blocks as b
 from harness.show.numbers import engine_name, number
 from harness.show.report.effort import COMMON, Effort
-from harness.show.sentences.sweep import percent
+from harness.show.sentences import percent
 
 STEPS = (1e-4, 2e-3, 1e-2, 5e-2)
 """Relative distances from exact at which the colour changes."""

@@ -43,7 +43,7 @@ from harness.show.plots import (
     upright_lines,
     zoom,
 )
-from harness.show.report.damping import damping_section
+from harness.show.report.curves import damping_section
 from harness.show.report.page import made_with
 from harness.show.report.run import METHODS, QUANTITIES, estimated, letter, p_of
 

@@ -16,7 +16,7 @@ from harness.results.prove import (
 )
 from harness.show import blocks as b
 from harness.show.numbers import number
-from harness.show.report import proof_ways
+from harness.show.report import proof_figures
 from harness.show.report.page import made_with
 from harness.show.report.proof_figures import BAD, GOOD, confusion, detection, intervals
 
@@ -82,13 +82,13 @@ def proof_page(result: ProofResult, order: Sequence[str], transcript: Sequence[M
             f"{sizes.outside} one that no catalogue holds."
         )
     sentences += [f"Given up: {line}" for line in result.given_up]
-    first = [] if result.paths is None else [proof_ways.curve(result.paths), _missed(result.cases)]
+    first = [] if result.paths is None else [proof_figures.curve(result.paths), _missed(result.cases)]
     sections = [
         b.verdict(_headline(result), sentences),
         *first,
         _figures(result.figures, result.forced, result.by_source),
-        *([] if result.paths is None else [proof_ways.ways(result.paths)]),
-        *([] if result.real is None else [proof_ways.machines(result.real)]),
+        *([] if result.paths is None else [proof_figures.ways(result.paths)]),
+        *([] if result.real is None else [proof_figures.machines(result.real)]),
     ]
     if result.confusion:
         sections.append(confusion(result.confusion, order))

@@ -20,7 +20,7 @@ from harness.show.plots import Trace, axes, decades, dots, plain
 from harness.show.report.effort import effort_section, efforts
 from harness.show.report.glance import STEPS, glance_section, glances
 from harness.show.report.scenarios import bodies_section, curves_section
-from harness.show.sentences.sweep import about, sentences
+from harness.show.sentences import about, sentences
 
 ROUTES = {
     "joint": "Joint friction",

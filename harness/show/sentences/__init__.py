@@ -1,1 +1,0 @@
-"""What results say, in sentences with numbers, for pages and for people."""
