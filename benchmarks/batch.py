@@ -9,8 +9,7 @@ from harness.core.scenario import Scenario
 from harness.core.slider import Slider
 from harness.engines import registry
 from harness.engines.base import Task, resolve
-from harness.engines.mujoco.at_once import AtOnce
-from harness.engines.mujoco.held import held
+from harness.engines.mujoco.at_once import AtOnce, held
 
 STEP, STEPS = 2e-3, 500
 SLIDERS = 1024

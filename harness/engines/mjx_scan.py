@@ -11,8 +11,7 @@ from harness.core.errors import NoDeviceError
 from harness.core.kernel_cache import cache_folder
 from harness.core.quiet import quiet
 from harness.engines.base import Route
-from harness.engines.mujoco.at_once import Ready
-from harness.engines.mujoco.held import OF_MODEL, Held, Recorded
+from harness.engines.mujoco.at_once import OF_MODEL, Held, Ready, Recorded
 
 log = logging.getLogger("harness.engines.mjx")
 

@@ -10,8 +10,7 @@ import numpy as np
 from harness.core.errors import NoDeviceError
 from harness.core.kernel_cache import cache_folder
 from harness.core.quiet import quiet
-from harness.engines.mujoco.at_once import Ready
-from harness.engines.mujoco.held import OF_MODEL, Recorded
+from harness.engines.mujoco.at_once import OF_MODEL, Ready, Recorded
 
 log = logging.getLogger("harness.engines.warp")
 

@@ -16,9 +16,8 @@ import numpy as np
 
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.errors import InputError
-from harness.robot.arm import Arm
+from harness.robot.arm import Arm, moved_with
 from harness.robot.bare import with_included
-from harness.robot.ties import moved_with
 from harness.robot.whole_arm.perturb import inertials
 from harness.robot.whole_arm.rules import BODY_SPREAD, GUARD, RESTING
 

@@ -20,8 +20,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, did_you_mean
-from harness.robot.arm import Arm
-from harness.robot.ties import moved_with
+from harness.robot.arm import Arm, moved_with
 
 _ANGLES = 72
 """Of a whole turn, at which gravity's torque is read."""

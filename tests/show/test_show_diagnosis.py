@@ -33,8 +33,8 @@ from harness.results.diagnosis import (
 from harness.show.blocks import Figure, Page
 from harness.show.report.diagnosis import diagnosis_page, gained, index_page
 from harness.show.report.diagnosis_figures import nameless
-from harness.show.report.diagnosis_scene import diagnosis_scene
 from harness.show.report.page import Pool, render, write_report
+from harness.show.report.scenes import diagnosis_scene
 from harness.show.stored import read_trace
 from harness.show.trace import write_trace
 

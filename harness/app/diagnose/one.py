@@ -28,7 +28,7 @@ from harness.io.store import OutputFolder
 from harness.results.diagnosis import DiagnosisResult
 from harness.show.report.diagnosis import diagnosis_page
 from harness.show.report.diagnosis_figures import model_names
-from harness.show.report.diagnosis_scene import diagnosis_scene
+from harness.show.report.scenes import diagnosis_scene
 
 FILES = {
     "result": ALWAYS["result"],

@@ -25,7 +25,7 @@ from harness.robot.whole_arm.result import Entry, JointFriction, WholeArm
 from harness.robot.whole_arm.rules import EXPLAINED
 from harness.robot.whole_arm.whole import whole_arm
 from harness.show.report.robot import arm_page
-from harness.show.report.robot_scene import arm_scene
+from harness.show.report.scenes import arm_scene
 
 FILES = {
     "result": ALWAYS["result"],

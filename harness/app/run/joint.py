@@ -28,7 +28,7 @@ from harness.robot.paste import JointPaste, copies, elsewhere
 from harness.robot.pictured import moved
 from harness.robot.reduction import Reduced, reduced
 from harness.show.report.robot import joint_page
-from harness.show.report.robot_scene import joint_scene
+from harness.show.report.scenes import joint_scene
 
 LOGGER = logging.getLogger(__name__)
 MUJOCO = "mujoco"

@@ -13,7 +13,8 @@ from harness.results.diagnosis import DiagnosisResult, SeenLawResult
 from harness.show.blocks import Block, Cell, Column, Figure, Folded, Items, Section, tabulated
 from harness.show.numbers import SHOWN, number
 from harness.show.plots import Trace, axes, dots, per, plain
-from harness.show.report.diagnosis_figures import AFTER, BEFORE, model_names
+from harness.show.report.diagnosis_figures import model_names
+from harness.show.stored import AFTER, BEFORE
 
 _ERRORS = 2.0
 """Standard errors of a bar."""

@@ -31,8 +31,9 @@ from harness.show.plots import (
     upright_lines,
     zoom,
 )
+from harness.show.stored import AFTER, BEFORE
 
-BEFORE, AFTER, YOURS = "#e4632d", "#2b7fd6", "#1f9e77"
+YOURS = "#1f9e77"
 YOUR_SIMULATION = "your simulation"
 _MOST_OF_IT = 0.9
 """A place that covers more of the recording than this says nothing on where."""
