@@ -188,7 +188,7 @@ def diagnose(
     from harness.app.diagnose.conditions import read_conditions
     from harness.app.diagnose.one import answer, deliver
     from harness.app.diagnose.options import DiagnoseOptions
-    from harness.app.run.simulate import model_of
+    from harness.app.run.case import model_of
     from harness.app.shared.reading import ReadOptions
 
     options = DiagnoseOptions.chosen(
@@ -277,7 +277,7 @@ def simulate(model: GivenModel, t: ArrayLike) -> Trajectory:
     s, increasing; before its release a model is held where that begins. Raises InputError for what is no model, and for
     times before the beginning of one that moves there already, SimulationError when it cannot be followed.
     """
-    from harness.app.run.simulate import motion_of
+    from harness.app.run.case import motion_of
 
     return motion_of(model, np.asarray(t, dtype=np.float64))
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.app.shared.pool import LocalPool
+from harness.app.shared.rows import LocalPool
 from harness.core.errors import HarnessError
 from harness.diagnosis.rules import Rule
 

@@ -84,9 +84,8 @@ def _rows(session: pytest.Session) -> Iterator[pytest.Item]:
 
 def _test_of(spec: "Spec") -> Callable[..., None]:
     def test(friction_held: "Mapping[Version, Rows]") -> None:
-        from harness.app.sweep.ci import sentence
         from harness.app.sweep.parts import compute
-        from harness.app.sweep.regress import against
+        from harness.app.sweep.regress import against, sentence
         from harness.fidelity.compare import REGRESSIONS, kept, moved_rows
 
         if spec.engine.partition("@")[0] not in {engine for engine, _, _ in friction_held}:
@@ -144,8 +143,7 @@ def friction_regressions(request: pytest.FixtureRequest) -> Callable[..., list[s
     """Call it with an engine's name: sentences on what got worse against the baseline, none when all is well."""
 
     def compare(engine: str, short: bool = True, baseline: Path | None = None) -> list[str]:
-        from harness.app.sweep.ci import sentence
-        from harness.app.sweep.regress import compared, fresh_rows
+        from harness.app.sweep.regress import compared, fresh_rows, sentence
         from harness.app.sweep.sweep import SweepOptions
         from harness.fidelity.compare import REGRESSIONS
 

@@ -15,8 +15,7 @@ from rerun.chunk import RrdReader
 
 import harness
 from harness.app.compare import again, compare
-from harness.app.report.rebuild import rebuild
-from harness.app.report.view import overlay
+from harness.app.report import overlay, rebuild
 from harness.cli.commands.view import command
 from harness.core.errors import InputError
 from harness.core.recording import Recording

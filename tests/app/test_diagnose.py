@@ -18,7 +18,7 @@ from harness.app.diagnose.many import Answer, Work, compute, diagnose, diagnose_
 from harness.app.diagnose.one import FILES, deliver
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.problem import prepared
-from harness.app.report.rebuild import rebuild
+from harness.app.report import rebuild
 from harness.app.shared.reading import ReadOptions, read, read_as, spooled
 from harness.core.errors import InputError, SimulationError, StoreError
 from harness.core.recording import Recording

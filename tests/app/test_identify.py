@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from harness.app.identify import identify, result_of
-from harness.app.report.rebuild import rebuild
+from harness.app.report import rebuild
 from harness.app.run.run import RunOptions, run
 from harness.app.shared.estimates import estimate
 from harness.core.errors import InputError

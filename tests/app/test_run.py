@@ -7,7 +7,7 @@ import jsonschema
 import numpy as np
 import pytest
 
-from harness.app.report.rebuild import rebuild
+from harness.app.report import rebuild
 from harness.app.run.case import ModelScenario, case_of_json
 from harness.app.run.run import RunOptions, run
 from harness.core.errors import InputError, SimulationError

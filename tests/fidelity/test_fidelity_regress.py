@@ -12,7 +12,6 @@ from jsonschema import Draft202012Validator
 from lxml import etree
 
 import harness
-from harness.app.sweep import ci
 from harness.app.sweep import regress as room
 from harness.app.sweep.report import keep_worst, recomputed
 from harness.app.sweep.sweep import SweepOptions, sweep
@@ -61,7 +60,7 @@ def baseline(rows: room.Rows, tmp_path: Path) -> Path:
 def test_the_published_baseline_holds_for_every_installed_engine(fresh: room.Rows) -> None:
     """The short form of the gate, as every change has to pass it."""
     result = room.compared(PUBLISHED, fresh, SweepOptions(short=True, jobs=1))
-    assert [ci.sentence(moved) for moved in result.moved] == []
+    assert [room.sentence(moved) for moved in result.moved] == []
     assert result.rows >= 50
 
 
@@ -69,7 +68,7 @@ def test_the_published_baseline_holds_for_every_installed_engine(fresh: room.Row
 def test_the_whole_published_baseline_holds() -> None:
     options = SweepOptions()
     result = room.compared(PUBLISHED, room.fresh_rows(options), options)
-    assert [ci.sentence(moved) for moved in result.moved] == []
+    assert [room.sentence(moved) for moved in result.moved] == []
 
 
 def test_every_metric_of_the_baseline_has_a_tolerance_with_an_origin() -> None:
@@ -211,7 +210,7 @@ def test_command(baseline: Path, tmp_path: Path) -> None:
 
 def test_junit_names_what_failed(rows: room.Rows, baseline: Path) -> None:
     result = room.compared(baseline, rows_with("integrator", "discrete"), ONE)
-    suite = etree.fromstring(ci.junit(result, rows).encode()).find("testsuite")
+    suite = etree.fromstring(room.junit(result, rows).encode()).find("testsuite")
     failed = [case for case in suite if case.find("failure") is not None]
     assert len(failed) == int(suite.get("failures")) > 0
     assert "worse" in failed[0].find("failure").get("message")

@@ -21,8 +21,7 @@ from jsonschema import Draft202012Validator
 from killing import stopped
 
 import harness
-from harness.app.shared.pool import Cluster, LocalPool
-from harness.app.shared.rows import completed
+from harness.app.shared.rows import Cluster, LocalPool, completed
 from harness.app.sweep import sweep as room
 from harness.app.sweep.parts import Parts, computed, failed_row
 from harness.app.sweep.sweep import SweepOptions, sweep
@@ -273,7 +272,7 @@ def test_a_cluster_without_workers_is_not_waited_for_without_end(
 ) -> None:
     there = SimpleNamespace(Client=lambda *address, **options: Deserted(*looks))
     monkeypatch.setitem(sys.modules, "distributed", there)
-    monkeypatch.setattr("harness.app.shared.pool.WORKERLESS_S", 0.05)
+    monkeypatch.setattr("harness.app.shared.rows.WORKERLESS_S", 0.05)
     monkeypatch.setattr("harness.app.shared.rows.LOOK_S", 0.02)
     with pytest.raises(HarnessError, match=r"tcp://far:1: no worker .*dask worker tcp://far:1"):
         list(completed([sweep_deaths.spec(1)], Cluster("tcp://far:1"), sweep_deaths.light, failed_row))

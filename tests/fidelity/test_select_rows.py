@@ -15,7 +15,6 @@ from click.testing import CliRunner
 from killing import environment
 from lxml import etree
 
-from harness.app.sweep import ci
 from harness.app.sweep import regress as room
 from harness.app.sweep.sweep import SweepOptions
 from harness.cli.commands.regress import command
@@ -94,7 +93,7 @@ def test_an_update_of_some_rows_keeps_the_others(fresh: room.Rows, baseline: Pat
 
 def test_junit_has_them_as_pytest_writes_them(fresh: room.Rows, baseline: Path) -> None:
     result = room.compared(baseline, {HOLD: fresh[HOLD]}, SOME(skip=("*/belt: slow",), xfail=("*/hold-*: soft",)))
-    suite = etree.fromstring(ci.junit(result, [HOLD]).encode()).find("testsuite")
+    suite = etree.fromstring(room.junit(result, [HOLD]).encode()).find("testsuite")
     assert [suite.get(name) for name in ("tests", "failures", "skipped")] == ["2", "0", "2"]
     said = {case.get("name").rpartition("/")[2]: dict(case.find("skipped").attrib) for case in suite}
     assert said == {
@@ -116,7 +115,7 @@ def read(lines: list[str]) -> list[tuple[str, str, str]]:
 
 def test_annotations_name_what_got_worse(fresh: room.Rows, baseline: Path) -> None:
     result = room.compared(baseline, fresh, SOME(xfail=("*/belt: 100 %\nsure", "nosuch")))
-    error, warning, notice = read(ci.annotations(result))
+    error, warning, notice = read(room.annotations(result))
     assert error[:2] == ("error", f"friction {HOLD}")
     assert "creep_m_s worse" in error[2]
     assert warning[:2] == ("warning", "friction nosuch")
@@ -127,8 +126,8 @@ def test_annotations_name_what_got_worse(fresh: room.Rows, baseline: Path) -> No
 def test_no_more_annotations_than_are_shown(fresh: room.Rows, baseline: Path) -> None:
     result = room.compared(baseline, fresh, SOME())
     moved = [result.moved[0].model_copy(update={"name": f"row {number}"}) for number in range(25)]
-    lines = read(ci.annotations(result.model_copy(update={"moved": moved})))
-    assert len(lines) == ci.MOST
+    lines = read(room.annotations(result.model_copy(update={"moved": moved})))
+    assert len(lines) == room.MOST
     assert lines[-1][1] == "friction 16 more"
 
 

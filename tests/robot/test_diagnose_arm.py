@@ -11,7 +11,7 @@ import pytest
 from two_joint_arm import ARM, moved
 
 import harness
-from harness.app.report.rebuild import rebuild
+from harness.app.report import rebuild
 from harness.cli.main import run
 from harness.core.errors import InputError
 from harness.core.quantity import Quantity

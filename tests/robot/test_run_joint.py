@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from harness.app.report.rebuild import rebuild
+from harness.app.report import rebuild
 from harness.app.run.joint import JointRun, run_joint
 from harness.app.sweep.tune import tune_joint
 from harness.core.errors import InputError

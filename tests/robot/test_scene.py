@@ -13,7 +13,7 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 import harness
-from harness.app.report.rebuild import rebuild
+from harness.app.report import rebuild
 from harness.core.errors import InputError
 from harness.results import generate
 

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from harness.app.report.rebuild import rebuild
+from harness.app.report import rebuild
 from harness.results.diagnosis import DiagnosisResult
 
 

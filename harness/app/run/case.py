@@ -1,9 +1,13 @@
-"""What can be run: a scenario of the suite, or a model of the five slots; exact motion, engines and figures."""
+"""What can be run: a scenario of the suite, or a model of the five slots; exact motion, engines and figures.
+
+A model's document alone runs in the compiled reference.
+"""
 
 import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from os import PathLike
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -31,8 +35,10 @@ from harness.fidelity.row import describe, scenario_of
 from harness.kernels.solve import Scales, simulate
 from harness.model import document
 from harness.model.beyond import beyond
+from harness.model.document import from_document, load
 from harness.model.model import Model, Restoring
 from harness.model.term import Slot
+from harness.results.common import ModelDocument
 from harness.results.run import Metrics, TraceResult
 from harness.robot.own_model import OwnModel
 from harness.robot.paste import stiff_friction
@@ -243,3 +249,32 @@ def case_of_json(data: Mapping[str, Any]) -> Case:
     if "model" in data:
         return ModelScenario(document.from_document(data["model"]), float(data["duration_s"]))
     return SuiteCase(scenario_of(data))
+
+
+Given: TypeAlias = Model | ModelDocument | Mapping[str, Any] | str | PathLike[str]
+
+
+def motion_of(model: Given, t: FloatArray) -> Trajectory:
+    """The motion of a model at times t (n,) in s.
+
+    Before its release a model is held where that begins; one that begins in the middle of a motion has no past.
+    Raises InputError for times before that, SimulationError.
+    """
+    found = model_of(model)
+    early = int(np.count_nonzero(t < found.t0))
+    if early and found.v0 != 0.0:
+        raise InputError(
+            "simulate: t",
+            f"{early} times before {found.t0:.9g} s, where the model begins and moves already",
+            f"times from there on: t[t >= {found.t0!r}]",
+        )
+    return simulate(found, t)
+
+
+def model_of(model: Given) -> Model:
+    """The model that is given as one, as a result holds it, as plain data, or as a model.json. Raises InputError."""
+    if isinstance(model, Model):
+        return model
+    if isinstance(model, ModelDocument):
+        model = model.model_dump(mode="json", by_alias=True)
+    return from_document(model) if isinstance(model, Mapping) else load(Path(model))

@@ -11,8 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.app.run.case import Case, ModelScenario, case_of
-from harness.app.run.simulate import Given, model_of
+from harness.app.run.case import Case, Given, ModelScenario, case_of, model_of
 from harness.app.shared.estimates import estimates_of
 from harness.app.shared.leaving import FILES, curves_of, leave, leaving
 from harness.app.shared.machine import this_machine

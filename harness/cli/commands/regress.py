@@ -64,7 +64,6 @@ def command(
     if baseline is not None and not update:
         check_file(baseline, f"--baseline {baseline}", "try: --update")
     from harness.app.shared.deliver import check_writable, write_text
-    from harness.app.sweep import ci
     from harness.app.sweep import regress as room
     from harness.app.sweep.sweep import SweepOptions
 
@@ -87,9 +86,9 @@ def command(
             return 0
         result = room.compared(baseline, fresh, options)
     if junit_to is not None:
-        write_text(junit_to, ci.junit(result, names))
+        write_text(junit_to, room.junit(result, names))
     to.give(result, _print)
-    for line in ci.annotations(result) if github else ():
+    for line in room.annotations(result) if github else ():
         click.echo(line, err=not to.tables)
     return 1 if result.regressions else 0
 

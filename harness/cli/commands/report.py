@@ -21,10 +21,10 @@ def command(place: Path, out: Path | None, to: Output) -> int:
     Example: harness report reports/free-decay-20260101-120000
              harness report trace.rrd --out page.html
     """
-    from harness.app.report.view import find_trace
+    from harness.app.report import find_trace
 
     find_trace(place)  # before what reads it is loaded
-    from harness.app.report.rebuild import rebuild
+    from harness.app.report import rebuild
 
     result, page = rebuild(place, out)
     to.give(result, lambda _: say_as_it_is(f"report: {page}"))

@@ -1,1 +1,0 @@
-"""harness report and harness view: what a trace holds, shown again."""
