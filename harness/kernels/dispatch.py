@@ -2,8 +2,7 @@
 
 from harness.core.arrays import FloatArray
 from harness.core.jit import lean
-from harness.kernels.laws import laws
-from harness.kernels.layout import BRISTLES, INTERNAL, LEVELS, MODULATIONS, SMOOTH, SMOOTHED
+from harness.kernels.layout import BRISTLES, INTERNAL, LEVELS, MODULATIONS, SMOOTH, SMOOTHED, laws
 
 (
     _stribeck,

@@ -1,17 +1,19 @@
-"""A model as arrays: what the compiled integrator reads.
+"""A model as arrays: what the compiled integrator reads, and the compiled laws that its dispatch calls.
 
 ``spec`` holds numbers of laws and places of their parameters; ``theta`` holds every parameter. Terms of one slot stand
 one after another, so that a sum of any length costs no branching beyond the dispatch of each law.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray
-from harness.model.covariate import Acts
-from harness.model.given import GIVEN
+from harness.core.errors import InputError
+from harness.core.jit import compiled
+from harness.model.covariate import GIVEN, Acts
 from harness.model.law import FIRST_TERM, KINETIC, MASS, STATIC, STIFFNESS, V_SCALE, VISCOUS
 from harness.model.model import Model, ModelTerm, Restoring
 from harness.model.registry import of_slot
@@ -185,3 +187,17 @@ def lay_out(model: Model, v_scale: float) -> Layout:
         shape.term_at,
         max((e.repeats("time") or 0.0 for e in model.terms), default=0.0),
     )
+
+
+def laws(terms: tuple[Term, ...], *keys: str) -> tuple[Callable[..., None], ...]:
+    """The compiled laws of ``terms``, which the dispatch numbers as ``keys``.
+
+    Raises InputError when the two differ: a term was installed or taken away since the dispatch was written.
+    """
+    here = [term.key for term in terms]
+    if here != list(keys):
+        parts = [("without", set(here) - set(keys)), ("with", set(keys) - set(here))]
+        found = ", ".join(f"{word} {', '.join(sorted(some))}" for word, some in parts if some) or "in another order"
+        accepted = "what python -m harness.kernels.generate writes"
+        raise InputError("harness/kernels/dispatch.py", f"written {found}", accepted)
+    return tuple(compiled(term.law, lean=True) for term in terms if term.law is not None)

@@ -18,8 +18,8 @@ from harness.diagnosis.tables.describe import plane_described
 from harness.diagnosis.tables.drawn import surface_of, table_of
 from harness.diagnosis.tables.fitted import TableFit
 from harness.estimate.noise import Noise
-from harness.model.beyond import beyond
 from harness.model.covariate import Acts, Covariate
+from harness.model.model import beyond
 from harness.model.spline import SIDE
 
 SEED, MAGNET, DAMPING = 2, 4, 2

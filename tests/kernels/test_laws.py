@@ -9,10 +9,9 @@ import pytest
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.kernels import generate
-from harness.kernels.examine import examine
-from harness.kernels.laws import laws
-from harness.kernels.layout import CHANGES_IN_TIME, SMOOTH, lay_out
-from harness.model.given import GIVEN
+from harness.kernels.generate import examine
+from harness.kernels.layout import CHANGES_IN_TIME, SMOOTH, laws, lay_out
+from harness.model.covariate import GIVEN
 from harness.model.law import D_INTERNAL, D_PARAMETER, D_T, D_X, VALUE
 from harness.model.model import Model, ModelTerm
 from harness.model.registry import TERMS, term

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from harness.model.beyond import beyond
 from harness.model.law import D_PARAMETER, INTERNAL_COLUMNS, VALUE
-from harness.model.model import Model, ModelTerm
+from harness.model.model import Model, ModelTerm, beyond
 from harness.model.registry import NAMED, TERMS
 from harness.model.spline import KNOTS, SIDE, curve, surface
 from harness.model.term import Polynomial, Slot

@@ -27,7 +27,7 @@ from harness.fidelity import kind as scenarios
 from harness.fidelity import scenarios as own_scenarios
 from harness.io import registry as readers
 from harness.io.recording import read_recording
-from harness.kernels.examine import examine
+from harness.kernels.generate import examine
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "extending.md").read_text(encoding="utf-8")
 FILES = dict(re.findall(r"^`(\w+\.(?:py|toml))`:\n\n```\w+\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL))

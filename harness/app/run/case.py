@@ -34,9 +34,8 @@ from harness.fidelity.metrics import measure_contact
 from harness.fidelity.row import describe, scenario_of
 from harness.kernels.solve import Scales, simulate
 from harness.model import document
-from harness.model.beyond import beyond
 from harness.model.document import from_document, load
-from harness.model.model import Model, Restoring
+from harness.model.model import Model, Restoring, beyond
 from harness.model.term import Slot
 from harness.results.common import ModelDocument
 from harness.results.run import Metrics, TraceResult

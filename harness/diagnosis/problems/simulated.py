@@ -17,8 +17,7 @@ from harness.diagnosis.problem import Observation, Problem
 from harness.diagnosis.sensor_model import Kinematics, Reading, lag_of, read
 from harness.diagnosis.starts import Start
 from harness.kernels.solve import By, Effort, Scales, Solution, solve
-from harness.model.covariate import Acts, Covariate
-from harness.model.given import GIVEN
+from harness.model.covariate import GIVEN, Acts, Covariate
 from harness.model.model import Model, ModelTerm
 from harness.model.term import Slot
 
