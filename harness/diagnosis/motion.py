@@ -32,8 +32,8 @@ class Motion:
     omega: float
 
 
-def _running(y: FloatArray, width: int) -> FloatArray:
-    """Mean over ``width`` samples (odd) around each; shorter at the ends."""
+def running(y: FloatArray, width: int) -> FloatArray:
+    """Mean of y (n,) over ``width`` samples (odd) around each; shorter at the ends."""
     half, i = width // 2, np.arange(y.size)
     total = np.concatenate(([0.0], np.cumsum(y)))
     lo, hi = np.maximum(i - half, 0), np.minimum(i + half + 1, y.size)
@@ -46,8 +46,8 @@ def _slope(t: FloatArray, y: FloatArray, width: int) -> FloatArray:
     if width < _LINE:
         return np.gradient(y, t)
     s = t - t[0]
-    ms, my = _running(s, width), _running(y, width)
-    slope: FloatArray = (_running(s * y, width) - ms * my) / np.maximum(_running(s * s, width) - ms * ms, 1e-300)
+    ms, my = running(s, width), running(y, width)
+    slope: FloatArray = (running(s * y, width) - ms * my) / np.maximum(running(s * s, width) - ms * ms, 1e-300)
     return slope
 
 
@@ -55,7 +55,7 @@ def _integral(t: FloatArray, y: FloatArray, period: float) -> FloatArray:
     """Running integral without its drift."""
     total = np.concatenate(([0.0], np.cumsum(0.5 * (y[1:] + y[:-1]) * np.diff(t))))
     width = max(3, round(period / float(np.median(np.diff(t)))) | 1)
-    drift = _running(_running(total, width), width) if y.size > 2 * width else np.full(y.size, total.mean())
+    drift = running(running(total, width), width) if y.size > 2 * width else np.full(y.size, total.mean())
     return total - drift
 
 
@@ -69,7 +69,7 @@ def motion_of(t: FloatArray, channels: Mapping[str, FloatArray], omega: float) -
     if "x" in channels:
         x = channels["x"]
         v = channels["v"] if "v" in channels else _slope(t, x, width)
-        x = _running(x, width) if width > _LINE else x
+        x = running(x, width) if width > _LINE else x
     else:
         v = channels["v"] if "v" in channels else _integral(t, channels["a"], period)
         x = _integral(t, v, period)

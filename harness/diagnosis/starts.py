@@ -15,7 +15,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.kernels.solve import By
-from harness.model.elsewhere import named, parted
+from harness.model.elsewhere import named
 from harness.model.model import Model, ModelTerm
 from harness.model.term import History, States
 
@@ -267,11 +267,6 @@ class Several:
     def moved(self, anew: Callable[[Window, Model], Window], model: Model) -> "Several":
         """The same: starts are parameters."""
         return self
-
-
-def stem_of(name: str) -> str:
-    """A base parameter whichever recording it is of."""
-    return parted(name)[0]
 
 
 @dataclass(frozen=True, slots=True)

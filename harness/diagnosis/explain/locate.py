@@ -30,7 +30,7 @@ swings around a reversal. ``locate`` pays for each that is tried."""
 _BLOCKS_PER_SWING = 48
 """Blocks a swing, whose power counts as one value."""
 _ALPHA = 0.01
-"""Level at which a place is said, over all places looked at; it moves no verdict."""
+"""Chance of naming a place in noise, white or coloured, all comparisons together; it moves no verdict."""
 _MOST, _MOST_SPANS = 3, 60
 """Places said, and spans said one by one; more are said by their condition alone."""
 _LONGEST_MEMORY = 0.5
@@ -135,13 +135,10 @@ def _spread(power: FloatArray, channels: int) -> float:
     return max(spread, 1.0 / channels)
 
 
-def locate(
-    residuals: Mapping[str, FloatArray], t: FloatArray, motion: Motion, alpha: float = _ALPHA, unit: str = "m"
-) -> tuple[Place, ...]:
+def locate(residuals: Mapping[str, FloatArray], t: FloatArray, motion: Motion, unit: str = "m") -> tuple[Place, ...]:
     """Up to three places that hold the structure of whitened residuals (n,) at t (n,), s; none where it is even.
 
-    alpha : chance of naming a place in noise, white or coloured, all comparisons together. unit : of x, m or rad.
-    Linear in samples, deterministic.
+    unit : of x, m or rad. Linear in samples, deterministic.
     """
     used = [r for r in residuals.values() if np.any(r)]
     per_swing = 2.0 * math.pi / motion.omega / float(np.median(np.diff(t)))
@@ -168,7 +165,7 @@ def locate(
         best = max(candidates, key=lambda c: _gain(weighted, c.inside))
         inside = best.inside
         p = min(1.0, float(chdtrc(1.0, _gain(weighted, inside) * scale)) * len(candidates))
-        if p > alpha:
+        if p > _ALPHA:
             break
         share = float(excess[inside].sum()) / total if total > 0.0 else None
         fresh = float(excess[inside & ~taken].sum()) / total if total > 0.0 else 0.0

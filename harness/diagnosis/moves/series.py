@@ -11,6 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray
+from harness.diagnosis.motion import running
 from harness.estimate.means import in_means, is_dense
 from harness.estimate.noise import channel_noise
 
@@ -78,10 +79,10 @@ class Series:
         swing = None if power >= SMOOTH else _line(even)
         lag = lag if swing is None else swing / _QUARTERS
         width = max(int(lag / _WIDTHS), 1) | 1
-        smooth = _mean(_mean(even, width), width)
+        smooth = running(running(even, width), width)
         thin = max(min(width // 2, even.size // _LEAST), 1)
         left = noise.sigma / math.sqrt(1.5 * width)
-        lightly = _mean(even, width // 4 | 1)
+        lightly = running(even, width // 4 | 1)
         return cls(grid[::thin], smooth[::thin], lightly[::thin], left, power, _memory(even), jumps, swing is not None)
 
 
@@ -122,15 +123,6 @@ def _jumps(y: FloatArray) -> int:
     before = [np.ptp(y[i + 1 - _STAY : i + 1]) < _FAR * change[i] for i in far]
     stays = np.logical_and(before, after).tolist()
     return sum(stays) if 2 * sum(stays) >= far.size else 0
-
-
-def _mean(y: FloatArray, width: int) -> FloatArray:
-    """Running mean over ``width`` (odd) samples, shorter at the ends."""
-    half, i = width // 2, np.arange(y.size)
-    total = np.concatenate(([0.0], np.cumsum(y)))
-    low, high = np.maximum(i - half, 0), np.minimum(i + half + 1, y.size)
-    mean: FloatArray = (total[high] - total[low]) / (high - low)
-    return mean
 
 
 def _grows(y: FloatArray) -> tuple[float, float]:

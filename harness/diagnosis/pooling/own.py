@@ -45,6 +45,12 @@ class Alone:
     explained: bool
     parameters: Mapping[str, Quantity]
 
+    @classmethod
+    def of(cls, found: Fit, problem: Problem, scales: Scales) -> "Alone":
+        """By a model that was fitted to it."""
+        explained = left_by(found, problem, scales.omega, found) is Left.NOISE
+        return cls(problem, found, scales, explained, base_parameters(found, problem, scales.omega, explained))
+
 
 @dataclass(frozen=True, slots=True)
 class Compared:
@@ -73,8 +79,7 @@ def alone(problem: Problem) -> Alone:
     base, scales = baseline(problem)
     problem = replace(problem, noise=noise_of(base, problem, scales.omega))
     found = settle(under(base, problem), problem, scales)
-    explained = left_by(found, problem, scales.omega, found) is Left.NOISE
-    return Alone(problem, found, scales, explained, base_parameters(found, problem, scales.omega, explained))
+    return Alone.of(found, problem, scales)
 
 
 def compared(each: Sequence[Alone]) -> Compared:

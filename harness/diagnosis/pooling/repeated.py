@@ -13,7 +13,7 @@ import numpy as np
 from harness.core.errors import SimulationError
 from harness.core.quantity import Quantity
 from harness.diagnosis.fit.model_fit import Fit, fit
-from harness.diagnosis.fit.standard_errors import base_parameters, term_parameters
+from harness.diagnosis.fit.standard_errors import term_parameters
 from harness.diagnosis.parameters import free_of
 from harness.diagnosis.pooling.forces import force_alone
 from harness.diagnosis.pooling.own import Alone, begun_apart, median_of
@@ -136,8 +136,7 @@ def _followed(problem: Problem, model: Model, scales: Scales) -> Alone:
     told = [problem.given | spring >= set(entry.term.needs) for entry in model.terms]
     free = free_of(model, problem.base_names)
     found = fit(model, problem, tuple(f for f in free if not isinstance(f.by, tuple) or told[f.by[0]]), scales)
-    explained = left_by(found, problem, scales.omega, found) is Left.NOISE
-    return Alone(problem, found, scales, explained, base_parameters(found, problem, scales.omega, explained))
+    return Alone.of(found, problem, scales)
 
 
 def parameters_of(one: Alone) -> dict[str, Quantity]:

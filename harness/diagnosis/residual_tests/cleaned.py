@@ -81,20 +81,14 @@ def _repeats(r: FloatArray) -> BoolArray:
 
 
 def channels_of(
-    residuals: Mapping[str, FloatArray],
-    jacobian: Mapping[str, FloatArray],
-    t: FloatArray,
-    omega: float,
-    doubtful: Mapping[str, BoolArray],
+    residuals: Mapping[str, FloatArray], jacobian: Mapping[str, FloatArray], t: FloatArray, omega: float
 ) -> dict[str, Channel]:
-    """Channels without doubtful samples, in units of their floors, orthogonal once more to what was fitted."""
+    """Channels without samples that stand alone, in units of their floors, orthogonal once more to what was fitted."""
     clean = {}
     for c, residual in residuals.items():
         kept = (residual != 0.0) & ~_repeats(residual)
         y, partial = residual[kept].copy(), jacobian[c][kept].copy()
         away = isolated(y)
-        if c in doubtful:
-            away |= doubtful[c][kept]
         # heavier tails than normal ones are cut: what they hold is no structure, but would count as much
         level = _TAIL * _NORMAL * float(np.median(np.abs(y))) if y.size else 0.0
         if level > 0.0:

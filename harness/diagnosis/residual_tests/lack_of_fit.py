@@ -19,7 +19,7 @@ from typing import TypeAlias
 import numpy as np
 from scipy.special import fdtrc
 
-from harness.core.arrays import BoolArray, FloatArray, IntArray
+from harness.core.arrays import FloatArray, IntArray
 from harness.diagnosis.motion import Motion
 from harness.diagnosis.residual_tests.cleaned import BANDS, Channel, channels_of
 
@@ -237,7 +237,6 @@ def lack_of_fit(
     omega: float,
     *,
     jacobian: Mapping[str, FloatArray] | None = None,
-    doubtful: Mapping[str, BoolArray] | None = None,
     motion: Motion | None = None,
     spare: float = 0.0,
 ) -> LackOfFit:
@@ -245,15 +244,14 @@ def lack_of_fit(
 
     The level of the noise is taken from the residuals; samples that are exactly zero did not count in the fit.
     jacobian : whitened partials (n, q) of each channel by the fitted numbers, so that the test is exact although the
-    fit has taken its share. doubtful : samples that may lie on the wrong side of a jump. motion : to look at parts of
-    the swing too, and of the recording. spare : chi-square that may be left beyond the level of the noise, in one place
-    or another, by what is no structure. Linear in samples.
+    fit has taken its share. motion : to look at parts of the swing too, and of the recording. spare : chi-square that
+    may be left beyond the level of the noise, in one place or another, by what is no structure. Linear in samples.
     """
     names = [c for c, r in residuals.items() if np.count_nonzero(r) >= _FEWEST]
     if not names:
         return LackOfFit(1.0, 0.0, "there is nothing left over at all")
     partials = {c: jacobian[c] if jacobian else np.zeros((t.size, 0)) for c in names}
-    channels = channels_of({c: residuals[c] for c in names}, partials, t, omega, doubtful or {})
+    channels = channels_of({c: residuals[c] for c in names}, partials, t, omega)
     if not channels:
         return LackOfFit(1.0, 0.0, "too few samples for any structure to show")
     tests = _bands(channels, spare) + _stretches(channels, spare) + _lines(channels)

@@ -63,8 +63,8 @@ def _beside(name: str) -> Markup:
     return Markup((files("harness.show.report") / "templates" / name).read_text(encoding="utf-8"))
 
 
-def _vendored(name: str) -> Markup:
-    text = (files("harness.show") / "vendor" / name).read_text(encoding="utf-8")
+def _bundle() -> Markup:
+    text = (files("harness.show") / "vendor" / _BUNDLE).read_text(encoding="utf-8")
     return Markup(text.replace("</script", "<\\/script"))
 
 
@@ -145,7 +145,7 @@ def render(page: Page) -> str:
         parts=parts,
         style=_beside("page.css"),
         script=_beside("page.js"),
-        plotly=_vendored(_BUNDLE),
+        plotly=_bundle(),
         figures=Markup(script_json(figures)),
         arrays=Markup(script_json(pool.arrays)),
     )
@@ -166,7 +166,7 @@ def write_report(path: Path, page: Page) -> None:
 
 def share(page: Path, into: Path) -> None:
     """Put a page at ``into`` without its plotting library, which stands once beside the folder of ``into``."""
-    bundle = str(_vendored(_BUNDLE))
+    bundle = str(_bundle())
     text = page.read_text(encoding="utf-8").replace(f"<script>{bundle}</script>", _SCRIPT_SHARED)
     into.write_text(text.replace(_ALLOWED, _ALLOWED_SHARED, 1), encoding="utf-8")
     (into.parent / _SHARED).write_text(bundle, encoding="utf-8")
