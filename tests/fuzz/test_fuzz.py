@@ -1,4 +1,7 @@
-"""Whatever is in a file or on the command line: a recording, or one line that says why not; soon, and in bounds."""
+"""Whatever is in a file or on the command line: a recording, or one line that says why not; soon, and in bounds.
+
+The search that is steered by branches runs for a moment; its long form is ``python -m benchmarks.fuzz``.
+"""
 
 import os
 import signal
@@ -16,8 +19,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from mutations import changed, spots
 
+from benchmarks.fuzz.search import Search, stored
+from benchmarks.fuzz.targets import NAMES, TARGETS, Target
 from harness.app.shared.reading import read
-from harness.core.errors import InputError
+from harness.core.errors import HarnessError, InputError
 from harness.core.recording import Recording
 from harness.core.scenario import FREE_DECAY
 from harness.exact.decay import free_decay
@@ -210,3 +215,29 @@ def test_the_long_form(kind: str) -> None:
         try_binary(kind, settings(LONG, max_examples=LONG.max_examples // 10))
     else:
         {"expressions": try_expressions, "models": try_models}[kind](LONG)
+
+
+@pytest.mark.parametrize("name", [name for name, target in TARGETS.items() if not target.apart])
+def test_what_earlier_searches_found_is_answered(name: str, tmp_path: Path) -> None:
+    target = TARGETS[name]
+    path = tmp_path / NAMES.get(name, f"fuzzed{target.suffix}")
+    for data in (*target.seeds, *stored(name)):
+        path.write_bytes(data)
+        assert answered(target, path).isprintable()
+
+
+def answered(target: Target, path: Path) -> str:
+    """The line that refuses a file, "" for one that is read."""
+    try:
+        target.call(path)
+    except HarnessError as error:
+        return str(error)
+    return ""
+
+
+def test_a_short_search_finds_nothing_wrong() -> None:
+    for name in ("table", "model", "npz"):
+        search = Search(name, 1)
+        search.run(0.7)
+        assert search.tried > 0
+        assert search.wrong == {}

@@ -1,4 +1,4 @@
-"""--columns: products of names and numbers, and nothing else."""
+"""--columns: products of names and numbers, and nothing else; and units of columns."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from harness.core.errors import InputError
 from harness.io.columns import Mapping, parse_columns
 from harness.io.options import ReadOptions
 from harness.io.recording import read_recording
-from harness.io.units import parse_unit, split_header
+from harness.io.units import is_unit_of, parse_unit, split_header
 
 GOOD: list[tuple[str, list[Mapping]]] = [
     ("x=#1[deg]", [Mapping("x", ("#1",), 1.0, "deg")]),
@@ -126,3 +126,16 @@ def test_a_goal_is_told_where_no_force_says_how_it_was_obeyed(tmp_path: Path, wi
     np.savetxt(path, np.column_stack(table), delimiter=",", header=header, comments="")
     notes = read_recording(path, ReadOptions()).notes
     assert any("goal_position" in note for note in notes) is told
+
+
+USUAL = "s ms us m mm cm um rad mrad deg ° m/s mm/s rad/s deg/s m/s^2 mm/s² rad/s^2 deg/s² N mN kN"
+
+
+@pytest.mark.parametrize("channel", ["t", "x", "v", "a", "u"])
+def test_units_that_need_no_library_are_what_the_library_says(channel: str) -> None:
+    for text in USUAL.split(" "):
+        asked = f"{text} "  # which is none of the usual ones
+        assert is_unit_of(channel, text) == is_unit_of(channel, asked)
+        if is_unit_of(channel, text):
+            plain, known = parse_unit("", channel, text), parse_unit("", channel, asked)
+            assert (plain.factor, plain.angular) == (known.factor, known.angular)

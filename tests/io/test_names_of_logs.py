@@ -1,4 +1,4 @@
-"""Whose a log's joints are: names by pattern and order, in tables and bags; and shares of LeRobot's ranges."""
+"""Whose a log's joints are: names by pattern and order, in tables and bags; LeRobot's ranges; temperatures."""
 
 import json
 from pathlib import Path
@@ -6,6 +6,7 @@ from pathlib import Path
 import joint_logs
 import numpy as np
 import pytest
+from joint_logs import ONE
 
 import harness
 from harness.core.errors import InputError
@@ -129,3 +130,22 @@ def test_the_names_that_are_proposed_make_every_joint(
         read_joint_log(path, joints=model)
     assert f'--names "{shape}"' in refused.value.accepted
     assert read_joint_log(path, joints=model, names=dict([shape.split("=")])).joints == model
+
+
+def test_temperatures_are_carried_and_said(tmp_path: Path) -> None:
+    warmth = 25.0 + ONE.t
+    seldom = np.where(np.arange(ONE.t.size) % 10 == 0, warmth, np.nan)
+    columns = {"t": ONE.t, **ONE.columns(), "shoulder_temp [degC]": warmth, "elbow_temp [degC]": seldom}
+    path = joint_logs.csv(tmp_path / "log.csv", columns)
+    found = harness.load_log(path)
+    assert found.temperature["shoulder"] == pytest.approx(warmth)
+    assert found.temperature["elbow"][:391] == pytest.approx(warmth[:391])
+    (topic,) = harness.log(path).topics
+    assert topic.units_guessed["temperature"] == "degC"
+    assert topic.ranges["elbow"]["temperature"] == pytest.approx((25.0, 28.9))
+
+
+def test_a_temperature_in_a_unit_of_something_else_is_refused(tmp_path: Path) -> None:
+    path = joint_logs.csv(tmp_path / "log.csv", {"t": ONE.t, **ONE.columns(), "elbow.temperature [V]": ONE.t})
+    with pytest.raises(InputError, match="degC or K"):
+        harness.load_log(path)

@@ -1,5 +1,9 @@
-"""Every term is what it says of itself, one that is not is refused, and the dispatch is the one of the registry."""
+"""Every term is what it says of itself, one that is not is refused, and the dispatch is the one of the registry.
 
+The record of a thread is used run after run: no run knows of the one before.
+"""
+
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import Any
 
@@ -11,6 +15,7 @@ from harness.core.errors import InputError
 from harness.kernels import generate
 from harness.kernels.generate import examine
 from harness.kernels.layout import CHANGES_IN_TIME, SMOOTH, laws, lay_out
+from harness.kernels.solve import By, Drive, Solution, solve
 from harness.model.covariate import GIVEN
 from harness.model.law import D_INTERNAL, D_PARAMETER, D_T, D_X, VALUE
 from harness.model.model import Model, ModelTerm
@@ -134,3 +139,36 @@ def test_laws_write_into_zeros_only_what_is_theirs() -> None:
     assert stop.law is not None
     stop.law(0.1, 0.0, np.array([0.0] * 6 + [0.5, 100.0]), 6, out)
     assert not out.any()
+
+
+T = np.linspace(0.0, 6.0, 301)
+DRIVE = Drive(T, 0.4 * np.sin(3.0 * T))
+
+
+def _models() -> list[Model]:
+    """The base and every entry of the catalogue with the numbers of its own example."""
+    base = Model(m=1.0, c=0.3, k=40.0, f_k=0.5, x0=0.1)
+    return [base, *(base.with_terms(ModelTerm(term, term.example)) for term in TERMS)]
+
+
+def _run(model: Model) -> Solution:
+    own: tuple[By, ...] = tuple((i, j) for i, e in enumerate(model.terms) for j in range(len(e.values)))
+    return solve(model, T, ("m", "c", "k", "f_k", "x0", *own), drive=DRIVE)
+
+
+def _alone(model: Model) -> Solution:
+    """In a thread, and so in a record, of its own."""
+    with ThreadPoolExecutor(1) as pool:
+        return pool.submit(_run, model).result()
+
+
+def test_a_run_is_to_the_last_bit_what_it_is_in_a_record_of_its_own() -> None:
+    models = _models()
+    fresh = [_alone(model) for model in models]
+    for order in (range(len(models)), reversed(range(len(models)))):
+        for i in order:
+            again = _run(models[i])
+            for name in ("x", "v", "a", "mode", "dx", "dv", "da"):
+                same = np.array_equal(getattr(again, name), getattr(fresh[i], name), equal_nan=True)
+                assert same, (name, models[i].labels)
+            assert again.steps == fresh[i].steps

@@ -35,7 +35,7 @@ TOUCHES = 0.02
 """An effort that never is negative and comes nearer to 0 than this share of its largest may have no sign."""
 FOLDED = 0.5
 """Of the squares that a line through place and way leaves of an effort: the absolute value of one leaves less than this
-share of one that has lost its sign (pytest tests/io/test_effort_without_a_sign.py)."""
+share of one that has lost its sign (pytest tests/io/test_bad_joint_logs.py)."""
 STARTS = (0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875)
 """Half turns by which the zero of an arm's angle may be off where its signs are begun."""
 TURNED = 10
