@@ -293,13 +293,7 @@ def _refuse_driven(t: FloatArray, y: FloatArray, separate: SeparateFit, floor: f
 
 
 def _fit_once(
-    t: FloatArray,
-    y: FloatArray,
-    kind: Kind,
-    noise: Noise,
-    cycles: HalfCycles,
-    dropped: bool,
-    seed: ChannelFit | None,
+    t: FloatArray, y: FloatArray, kind: Kind, noise: Noise, cycles: HalfCycles, dropped: bool, seed: ChannelFit | None
 ) -> ChannelFit:
     interval = float(np.median(np.diff(t)))
     half = cycles.half_time

@@ -265,13 +265,7 @@ def bare_model(
 
 
 def _bare_mjcf(
-    path: Path,
-    model: Bare,
-    first: Path,
-    edited: Mapping[Path, str],
-    fixed: bool,
-    touching: bool,
-    part: bool = False,
+    path: Path, model: Bare, first: Path, edited: Mapping[Path, str], fixed: bool, touching: bool, part: bool = False
 ) -> None:
     """first : folder of the model that the others are parts of. part : it is attached to another one."""
     file, root, folder = str(path), model.root, path.resolve().parent

@@ -102,11 +102,7 @@ def _parsed(where: str, text: str) -> list[tuple[Listed, DiagnoseOptions]]:
 
 
 def dataset_machines(
-    folder: Path,
-    out: Path | None = None,
-    progress: Progress = SILENT,
-    command: str = "",
-    jobs: int | None = None,
+    folder: Path, out: Path | None = None, progress: Progress = SILENT, command: str = "", jobs: int | None = None
 ) -> MachinesResult:
     """Diagnose every listed recording that lies in a folder, and leave a page, a result and each diagnosis.
 

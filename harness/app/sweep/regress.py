@@ -147,12 +147,7 @@ def compared(path: Path, rows: Rows, options: SweepOptions) -> RegressResult:
 
 
 def _result(
-    path: str,
-    before: Rows,
-    after: Rows,
-    not_run: list[str],
-    rows: Selection | None = None,
-    names: Iterable[str] = (),
+    path: str, before: Rows, after: Rows, not_run: list[str], rows: Selection | None = None, names: Iterable[str] = ()
 ) -> RegressResult:
     """rows : known to fail, or skipped. names : of all rows there are."""
     rows, names = rows or Selection(), [*names]

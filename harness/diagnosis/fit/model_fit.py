@@ -54,10 +54,7 @@ class At(Generic[S]):
 
 
 def downhill(
-    model: Model,
-    free: tuple[Free, ...],
-    look: Callable[[Model], tuple[FloatArray, FloatArray, S]],
-    until: Until,
+    model: Model, free: tuple[Free, ...], look: Callable[[Model], tuple[FloatArray, FloatArray, S]], until: Until
 ) -> Descent[At[S]]:
     """From a model's own values to where ``look`` (residual, partials and what they were made from) leaves least.
 
@@ -194,11 +191,7 @@ def whitened(problem: Problem, values: Mapping[str, FloatArray]) -> FloatArray:
 
 
 def evaluate(
-    model: Model,
-    problem: Problem,
-    free: tuple[Free, ...],
-    scales: Scales | None = None,
-    effort: Effort = FINE,
+    model: Model, problem: Problem, free: tuple[Free, ...], scales: Scales | None = None, effort: Effort = FINE
 ) -> tuple[FloatArray, FloatArray, Observation]:
     """Whitened residual (N,) and its partials (N, q) by the fitted numbers, data minus model.
 

@@ -118,11 +118,7 @@ def _is_sensor(model: Model, by: By) -> bool:
 
 
 def observe(
-    model: Model,
-    problem: Problem,
-    by: tuple[By, ...] = (),
-    scales: Scales | None = None,
-    effort: Effort = FINE,
+    model: Model, problem: Problem, by: tuple[By, ...] = (), scales: Scales | None = None, effort: Effort = FINE
 ) -> Observation:
     """Channels of ``problem`` as ``model`` predicts them, with partials by the parameters ``by``.
 

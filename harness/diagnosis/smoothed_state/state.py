@@ -95,13 +95,7 @@ def _left_of(state: State, u: FloatArray, others: FloatArray) -> tuple[FloatArra
     return u - table @ found, found[table.shape[1] - others.shape[1] :]
 
 
-def inverse_start(
-    state: State,
-    u: FloatArray,
-    restoring: Restoring,
-    mass: float | None,
-    zero_free: bool,
-) -> Model:
+def inverse_start(state: State, u: FloatArray, restoring: Restoring, mass: float | None, zero_free: bool) -> Model:
     """Base model by least squares of m a + c v + k R(x) + f_k sgn(v) + constant = u over the samples in motion.
 
     The constant takes up what would bias the others; it gives the sensor's zero with ``zero_free``. Raises InputError

@@ -188,14 +188,7 @@ BELT = BeltKind(
 """Stick-slip on a belt."""
 
 STRIBECK_BELT, POLYNOMIAL_BELT = (
-    BeltKind(
-        name=name,
-        place=place,
-        part="laws",
-        v_s=0.5,
-        viscous=viscous,
-        figures=BELT.figures,
-    )
+    BeltKind(name=name, place=place, part="laws", v_s=0.5, viscous=viscous, figures=BELT.figures)
     for name, place, viscous in (("stribeck-belt", 8, 0.0), ("polynomial-belt", 9, 0.04))
 )
 """Friction that falls from f_s with the sliding speed; the same with a polynomial of that speed beside it."""

@@ -98,15 +98,7 @@ FREE_DECAY_NO_FRICTION = DecayKind(
 """The same slider without dry friction: what the integrator alone gets wrong."""
 
 FREE_DECAY_X3, FREE_DECAY_X10 = (
-    DecayKind(
-        name=f"free-decay-x{n:g}",
-        place=place,
-        duration=3.5,
-        shown=3.5,
-        friction=n,
-        reach=n,
-        routes=("contact",),
-    )
+    DecayKind(name=f"free-decay-x{n:g}", place=place, duration=3.5, shown=3.5, friction=n, reach=n, routes=("contact",))
     for n, place in ((3.0, 7), (10.0, 8))
 )
 """A box on the floor, let go so many times as far away with as many times the friction, until it lifts."""

@@ -113,11 +113,7 @@ def holdout_by_sysid(recording: Recording, spans_s: Sequence[Sequence[float]]) -
         low, high = (0.5, 2.0) if name == "stiffness" else (0.0, 20.0)
         parameters.add(
             sysid.Parameter(
-                name,
-                nominal=value,
-                min_value=low * value,
-                max_value=high * value,
-                modifier=partial(_set, name),
+                name, nominal=value, min_value=low * value, max_value=high * value, modifier=partial(_set, name)
             )
         )
     wanted = sysid.build_residual_fn(models_sequences=[sequences], modify_residual=residual, custom_rollout=rollout)

@@ -94,9 +94,7 @@ def curves(
         offset = float(np.mean(values - found.friction))
         friction = (parts[j].base[:, : 2 * own.size] @ best.numbers[place] + best.left(j)) / gain[j] - offset
         told[j] = Curved(
-            replace(found, changes=changes[j], left=float(left[list(parts).index(j)]) / abs(gain[j])),
-            friction,
-            rigid,
+            replace(found, changes=changes[j], left=float(left[list(parts).index(j)]) / abs(gain[j])), friction, rigid
         )
     return told
 

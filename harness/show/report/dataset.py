@@ -85,10 +85,7 @@ def _machines(rows: Sequence[MachineRow]) -> Section:
             "of the misfit beyond the noise, alone",
         ),
         Column(
-            "held out",
-            _each(lambda m: _ratio(m.holdout)),
-            "",
-            "error after over before, blocks held out of the fit",
+            "held out", _each(lambda m: _ratio(m.holdout)), "", "error after over before, blocks held out of the fit"
         ),
         Column("free run", _each(lambda m: _ratio(m.forward)), "", "the same of the last 40 %, from a fit of the rest"),
         Column("left", lambda row: "-" if row.over_noise is None else f"{row.over_noise:.2g}", "times noise"),

@@ -54,10 +54,7 @@ _ONE = "standard error of a single recording's value"
 
 
 def diagnosis_page(
-    result: DiagnosisResult,
-    recording: Recording,
-    simulated: Sequence[Trajectory],
-    robot: Shown | None = None,
+    result: DiagnosisResult, recording: Recording, simulated: Sequence[Trajectory], robot: Shown | None = None
 ) -> b.Page:
     """simulated : base model and refined model at the recording's times, extra "shown x" and the like what their
     sensors show, and behind them the user's own simulation where there is one. robot : where it is of a robot's joint.

@@ -320,12 +320,7 @@ def _unit(unit: str) -> str:
 
 
 def _percents(
-    name: str,
-    labels: Sequence[str],
-    percent: Sequence[float],
-    colors: Sequence[str],
-    title: str,
-    caption: str,
+    name: str, labels: Sequence[str], percent: Sequence[float], colors: Sequence[str], title: str, caption: str
 ) -> Figure:
     """Bars in per cent, the first on top."""
     low, high = min(0.0, *percent), max(1.0, *percent)

@@ -22,18 +22,7 @@ from harness.show.report.curves import law_figures
 from harness.show.report.diagnosis import gained, said, to_change
 from harness.show.report.diagnosis_figures import Curves, shaded_spans
 from harness.show.report.robot import engine_figures, motion_figures
-from harness.show.stored import (
-    AFTER,
-    AFTER_NAME,
-    BEFORE,
-    BEFORE_NAME,
-    HELD,
-    SWING,
-    Shown,
-    binned,
-    moved_in,
-    parts_of,
-)
+from harness.show.stored import AFTER, AFTER_NAME, BEFORE, BEFORE_NAME, HELD, SWING, Shown, binned, moved_in, parts_of
 
 _CORNER = np.array([0.62, -0.7, 0.36])
 """The direction from which a robot is looked at."""
@@ -145,10 +134,7 @@ def lane(spans: Sequence[Sequence[float]], start: float, stop: float) -> tuple[F
 
 
 def diagnosis_scene(
-    result: DiagnosisResult,
-    recording: Recording,
-    simulated: Sequence[Trajectory],
-    robot: Shown | None = None,
+    result: DiagnosisResult, recording: Recording, simulated: Sequence[Trajectory], robot: Shown | None = None
 ) -> s.Scene:
     """Scene of a diagnosis; arguments as of diagnosis_page."""
     notes, laws = _notes(result), law_figures(result)
