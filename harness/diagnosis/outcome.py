@@ -12,7 +12,7 @@ from typing import Any, Literal, TypeAlias
 from harness.core.arrays import BoolArray, FloatArray
 from harness.core.quantity import Quantity
 from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.integrator_maps.maps import Stepping
+from harness.diagnosis.integrator_maps import Stepping
 from harness.diagnosis.pooling.pooled import Pooled
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.rules import Rule

@@ -5,7 +5,7 @@ from typing import Any, Generic
 
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.grading.grade import Graded
-from harness.diagnosis.integrator_maps.maps import Stepping
+from harness.diagnosis.integrator_maps import Stepping
 from harness.diagnosis.inverse_dynamics.grade import ForceGraded
 from harness.diagnosis.pooling.pooled import Pooled
 from harness.diagnosis.problem import P

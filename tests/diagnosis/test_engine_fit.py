@@ -15,7 +15,7 @@ from harness.diagnosis.attribution.attribute import Attribution, attribute_engin
 from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.explain.engines import engine_fit, suitable_step
 from harness.diagnosis.fit.model_fit import fit
-from harness.diagnosis.integrator_maps.stepped import as_stepped
+from harness.diagnosis.integrator_maps import as_stepped
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.parameters import free_of
 from harness.diagnosis.pipeline import explain, judge, prepare

@@ -18,8 +18,7 @@ from harness.diagnosis.alignment.align import LEAST_SHARED, Alignment, align
 from harness.diagnosis.alignment.match import DERIVED
 from harness.diagnosis.baseline.base_fit import baseline, driven_baseline
 from harness.diagnosis.fit.model_fit import Fit, fit
-from harness.diagnosis.integrator_maps.maps import Scheme
-from harness.diagnosis.integrator_maps.stepped import SOFT, steps_of
+from harness.diagnosis.integrator_maps import SOFT, Scheme, steps_of
 from harness.diagnosis.parameters import free_of
 from harness.diagnosis.pipeline import prepare
 from harness.diagnosis.prepare.driven import is_driven

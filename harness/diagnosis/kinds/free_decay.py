@@ -13,7 +13,7 @@ from harness.diagnosis.baseline.residual_noise import likelihood, stamped
 from harness.diagnosis.covariates.following import allowing, enter
 from harness.diagnosis.fit.model_fit import fit
 from harness.diagnosis.fit.rmse import only_started
-from harness.diagnosis.integrator_maps.stepped import as_stepped
+from harness.diagnosis.integrator_maps import as_stepped
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.kinds.kind import Kind
 from harness.diagnosis.parameters import base_of, free_of

@@ -1,1 +1,0 @@
-"""Recordings that are traces of an engine that steps."""
