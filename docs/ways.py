@@ -124,7 +124,7 @@ def stations(path: str, seen: set[str]) -> Iterator[tuple[str, str]]:
 
 def package(place: str) -> str:
     """The folder of a module without the name of the whole."""
-    folder = place if ROOT.joinpath(*place.split(".")).is_dir() else place.rpartition(".")[0]
+    folder = place if ROOT.joinpath(*place.split("."), "__init__.py").is_file() else place.rpartition(".")[0]
     return folder.removeprefix("harness.")
 
 

@@ -117,7 +117,7 @@ def packages(path: Path) -> set[str]:
     for module in imports(path):
         if module.startswith("harness."):
             file = ROOT.joinpath(*module.split("."))
-            found.add(".".join((file if file.is_dir() else file.parent).relative_to(ROOT).parts))
+            found.add(".".join((file if (file / "__init__.py").is_file() else file.parent).relative_to(ROOT).parts))
     return found
 
 
