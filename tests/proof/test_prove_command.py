@@ -1,6 +1,7 @@
 """harness prove: what it refuses, what it prints and hands back; the short form through the real diagnosis."""
 
 import json
+import re
 import sys
 from pathlib import Path
 
@@ -14,6 +15,9 @@ from harness.app.prove import verify
 from harness.app.prove.prove import ProveOptions, prove
 from harness.core.errors import HarnessError
 from harness.proof.plan import FULL, SHORT, Sizes
+from harness.results.prove import ProofResult
+from harness.show.report.page import render
+from harness.show.report.proof import proof_page
 
 
 def test_sizes_are_chosen_by_name() -> None:
@@ -68,3 +72,11 @@ def test_the_published_proof_is_accepted(name: str, published_here: Path, monkey
     check = harness.verify_proof(proof, short=True)
     assert (check.accepted, check.wrong) == (True, [])
     assert (proof / "report.html").stat().st_size < 5_000_000
+
+
+def test_a_page_counts_what_was_drawn_and_its_last_level_has_no_end(published_here: Path) -> None:
+    # the published proof of ways asked for 208 recordings, one of which could not be drawn
+    stored = (published_here.with_name("proof-paths") / "result.json").read_text(encoding="utf-8")
+    page = render(proof_page(ProofResult.model_validate_json(stored), [], []))
+    assert "The 207 recordings are of 13 ways" in page
+    assert re.findall(r">\s*(above \d+|\d+ to 30000)\s*<", page) == ["10000 to 30000", "above 31600"]

@@ -64,8 +64,8 @@ def proof_page(result: ProofResult, order: Sequence[str], transcript: Sequence[M
     sentences = [f"Falls short: {line}." for line in result.shortfalls]
     if sizes.paths:
         sentences.append(
-            f"{sizes.paths} recordings are of {len(result.paths.ways) if result.paths else 0} ways that give a "
-            "verdict, half of them with nothing hidden, half without any option."
+            f"The {len(result.cases)} recordings are of {len(result.paths.ways) if result.paths else 0} ways that give "
+            "a verdict, half of them with nothing hidden, half without any option."
         )
     elif sizes.real:
         files = sum(one.files for one in result.real.machines) if result.real else 0

@@ -188,7 +188,7 @@ def curve(found: PathsResult) -> b.Section:
 
 def _between(level: PathLevel) -> str:
     low, high = (float(f"{one:.3g}") for one in (level.low, level.high))
-    return f"{low:g} to {high:g}"
+    return f"{low:g} to {high:g}" if high > low else f"above {low:g}"  # the last level has no end
 
 
 _WAYS = {
