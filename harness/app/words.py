@@ -95,8 +95,8 @@ def _chosen(form: Form, engines: Sequence[str]) -> tuple[Reader, ...]:
     every = {one.name: one for one in table().of(form)}
     for name in engines:
         if name not in every:
-            near = did_you_mean(name, every)
-            raise InputError("--engine", f"{name!r} reads no {form.upper()}", f"one of {', '.join(every)}{near}")
+            found = f"{name!r}" + (f" reads no {form.upper()}" if name in table().readers else "")
+            raise InputError("--engine", found, f"one of {', '.join(every)}{did_you_mean(name, every)}")
     return tuple(one for name, one in every.items() if not engines or name in engines)
 
 

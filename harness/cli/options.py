@@ -9,7 +9,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from harness.cli.output import Output
-from harness.core.bounded import check_file
+from harness.core.bounded import MODELS, check_file
 from harness.core.errors import InputError
 from harness.core.registered import names
 
@@ -140,7 +140,7 @@ def _joint(robot: Path | None, joint: str | None, gravity: Gravity | None, base:
         rack = "--base fixed, of a robot in a rack or lying with its trunk still (--gravity says how)"
         raise InputError("--base free", "how the base moves is in no log that is read", rack)
     if robot is not None:
-        check_file(robot)
+        check_file(robot, suffixes=MODELS)
         return robot, joint, gravity
     refuse("given without --robot", "it goes with --robot FILE", joint=joint, gravity=gravity, base=base)
     return None

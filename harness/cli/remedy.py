@@ -11,12 +11,12 @@ import click
 from harness.cli.output import this_line
 from harness.core.errors import HarnessError, InputError
 
-_PROPOSED = re.compile(r"Try: (?P<options>--.+?)(?P<rest>, which reads .*)?$")
+_PROPOSED = re.compile(r"Try: (?P<options>-{1,2}[a-z].*?)(?P<rest>, which reads .*)?$")
 _NEAR = re.compile(r"; did you mean (?P<name>.+)\?$")
 _PARTS = re.compile(r"([@=,:])")
 _LISTED = re.compile(r"; expected (?:a joint|a body|a movable body) of [^;]*?: (?P<first>[\w.-]+)")
 """What says the names that there are."""
-_WRITES = {"--out", "--json", "--junit"}
+_WRITES = {"--out", "--json", "--junit", "--page", "--save"}
 """Options whose value is a place that may not do."""
 _READS = {"--columns", "--covariate"}
 """Options that name a column."""
@@ -42,6 +42,8 @@ def whole_line(error: Exception, group: click.Group) -> str:
         help_of = error.ctx.command_path if error.ctx else f"harness {words[1]}" if words[1:] else "harness"
     else:
         message, help_of = str(error), ""
+    if isinstance(error, click.NoSuchOption) and (kept := _without_foreign(words, error.option_name, group)):
+        return f"No such option '{error.option_name}' here. Try: {shlex.join(kept)}"
     near = error.possibilities[0] if isinstance(error, click.NoSuchOption) and error.possibilities else ""
     if found := _NEAR.search(message):
         near = found["name"]
@@ -56,9 +58,22 @@ def whole_line(error: Exception, group: click.Group) -> str:
     return f"{message.rstrip('.')}. Try: {help_of} --help" if help_of else message
 
 
+def _without_foreign(words: Sequence[str], name: str, group: click.Group) -> list[str]:
+    """Words of a command without an option, and its value, that only other commands have; none where none has it."""
+    context = click.Context(group)
+    commands = [group.get_command(context, one) for one in group.list_commands(context)]
+    known = [one for command in commands if command for one in command.params if name in one.opts]
+    at = next((i for i, word in enumerate(words) if word.partition("=")[0] == name), None)
+    if at is None or not known:
+        return []
+    option = known[0]
+    valued = isinstance(option, click.Option) and not option.is_flag and "=" not in words[at]
+    return [*words[:at], *words[at + 1 + valued * option.nargs :]]
+
+
 def _without_named(words: Sequence[str], options: str) -> list[str]:
     """Words of a command without the options that others replace."""
-    named = set(re.findall(r"--[a-z-]+", re.sub(r"\"[^\"]*\"", "", options)))
+    named = set(re.findall(r"(?<!\S)--?[a-z][a-z-]*", re.sub(r"\"[^\"]*\"", "", options)))
     valued = named - {"--drop-nan"}
     pairs = zip(["", *words], words, strict=False)
     return [word for before, word in pairs if before not in valued and not {word, word.partition("=")[0]} & named]

@@ -16,27 +16,44 @@ MOST_BYTES = 1024 * MEBIBYTE
 """Of a recording as text, unpacked: ten million samples of five channels take less."""
 MOST_DOCUMENT_BYTES = 64 * MEBIBYTE
 """Of a JSON document."""
+MODELS = (".xml", ".mjcf", ".urdf", ".sdf")
+"""Endings of a robot's model or a scene."""
 _MOST_BESIDE = 1000
 """Names of a folder that a mistyped one is compared with."""
+_RESULT = "result.json"
+"""In every folder of results."""
 _PIECE = 4 * MEBIBYTE
 _MOST_DIGITS = 1000
 _POINTER = b"version https://git-lfs"
 """Begins what a clone holds in place of a large file."""
 
 
-def check_file(path: Path, where: str = "", accepted: str = "a file that can be read") -> None:
+def check_file(
+    path: Path, where: str = "", accepted: str = "a file that can be read", suffixes: tuple[str, ...] = ()
+) -> None:
     """Raise InputError, about ``where`` or the path itself, for a path that is no file.
 
-    It loads nothing: a mistyped name is refused before a program loads what it would read the file with.
+    suffixes : of files that are proposed in place of a folder, () for any. It loads nothing: a mistyped name is refused
+    before a program loads what it would read the file with.
     """
     if path.is_dir():
-        files = sorted(one.path for one in islice(os.scandir(path), _MOST_BESIDE) if one.is_file())
-        raise InputError(where or str(path), "a folder", accepted + (f"; did you mean {files[0]}?" if files else ""))
+        files = _inside(path, suffixes)
+        end = f"{'a file' if accepted.startswith(TRY) else accepted}; did you mean {files[0]}?" if files else accepted
+        raise InputError(where or str(path), "a folder", end)
     if not path.is_file():
         raise InputError(where or str(path), "no such file", accepted + _near(path))
     with suppress(OSError), path.open("rb") as file:  # what cannot be opened is told where it is read
         if file.read(len(_POINTER)) == _POINTER:
             raise InputError(where or str(path), "a pointer of Git LFS in place of the data", f"{TRY}git lfs pull")
+
+
+def _inside(folder: Path, suffixes: tuple[str, ...]) -> list[str]:
+    """Files in a folder that may be meant by it; none where it is one of results, whose tables are no recordings."""
+    files = sorted(one.path for one in islice(os.scandir(folder), _MOST_BESIDE) if one.is_file())
+    if not suffixes and str(folder / _RESULT) in files:
+        return []
+    shown = [one for one in files if not Path(one).name.startswith(".")]
+    return [one for one in shown if one.lower().endswith(suffixes)] if suffixes else shown
 
 
 def _near(path: Path) -> str:

@@ -21,6 +21,10 @@ PATIENCE_S = 5.0
 """Time in which what belonged to a process that was killed ends too."""
 
 
+_NOT_WRITTEN = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS})
+"""What no reading of a file ends in."""
+
+
 class OutputFolder:
     """A folder that appears whole or not at all.
 
@@ -150,8 +154,8 @@ def held(folder: Path, patience_s: float = PATIENCE_S) -> Iterator[int]:
 def output_folder(name: str, out: Path | None = None) -> Iterator[OutputFolder]:
     """An output folder: ``out``, or reports/NAME-TIME here; committed by the caller, else removed without a trace.
 
-    Raises StoreError when it cannot be made or holds files already. An OSError for lack of space inside the block
-    becomes a StoreError too.
+    Raises StoreError when it cannot be made or holds files already. An OSError of writing inside the block becomes
+    a StoreError too.
     """
     final, made = _reserve(name, out)
     try:
@@ -167,7 +171,7 @@ def output_folder(name: str, out: Path | None = None) -> Iterator[OutputFolder]:
         # the name people know, not that of the work in progress
         raise StoreError(str(error).replace(str(output.work), str(final))) from error
     except OSError as error:
-        if error.errno in (errno.ENOSPC, errno.EDQUOT):
+        if error.errno in _NOT_WRITTEN:
             raise StoreError(f"{final}: {reason(error)}") from error
         raise
     finally:

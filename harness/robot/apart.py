@@ -14,7 +14,7 @@ import numpy as np
 from lxml import etree
 
 from harness.core.apart import Found, read_apart
-from harness.core.bounded import MEBIBYTE, check_file, read_bytes
+from harness.core.bounded import MEBIBYTE, MODELS, check_file, read_bytes
 from harness.core.errors import InputError
 from harness.engines.mujoco.presets import warned
 from harness.robot.bare import bare_model, mesh_folder, with_included
@@ -133,7 +133,7 @@ def compiled(path: Path, edited: Mapping[Path, str] = MappingProxyType({}), look
     for a model that is good for its looks only, which keeps them. Raises InputError when there is no such file, or
     MuJoCo cannot compile it (its message in one line).
     """
-    check_file(path, accepted=ACCEPTED)
+    check_file(path, accepted=ACCEPTED, suffixes=MODELS)
     texts = {str(file): text for file, text in edited.items()}
     columns, about = read_apart(
         f"{__name__}:columns_of", path, ACCEPTED, seconds=_SECONDS, kept=True, edited=texts, looks=looks

@@ -16,7 +16,7 @@ import numpy as np
 
 from harness.core.apart import Found, read_apart
 from harness.core.arrays import FloatArray
-from harness.core.bounded import check_file
+from harness.core.bounded import MODELS, check_file
 from harness.core.errors import InputError
 from harness.engines.mujoco.presets import INTEGRATORS, warned
 from harness.robot.apart import ACCEPTED, HINGE_OR_SLIDE, prepared
@@ -108,7 +108,7 @@ class AsItIs:
 
 def as_it_is(path: Path, joint: str, gravity: Gravity = None) -> AsItIs:
     """Step a file, in a process apart; gravity : m/s^2, None for the file's own. Raises InputError."""
-    check_file(path, accepted=ACCEPTED)
+    check_file(path, accepted=ACCEPTED, suffixes=MODELS)
     columns, about = read_apart(
         f"{__name__}:columns_of", path, ACCEPTED, seconds=_SECONDS, kept=True, joint=joint, gravity=gravity
     )

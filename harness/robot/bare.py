@@ -13,7 +13,7 @@ from typing import Any
 
 from lxml import etree
 
-from harness.core.bounded import MEBIBYTE, check_file, read_bytes
+from harness.core.bounded import MEBIBYTE, MODELS, check_file, read_bytes
 from harness.core.errors import InputError, did_you_mean
 from harness.robot.repair import repaired
 from harness.robot.sdf import as_urdf
@@ -47,7 +47,7 @@ def read_xml(path: Path, edited: Mapping[Path, str] = MappingProxyType({})) -> S
     Raises InputError when there is none, it is too large, is no XML, or has a document type, which a model does not
     need and entities would come in by.
     """
-    check_file(path, accepted="a robot's model, MJCF or URDF")
+    check_file(path, accepted="a robot's model, MJCF or URDF", suffixes=MODELS)
     other = edited.get(path.resolve())
     data = read_bytes(path, MOST_BYTES) if other is None else other.encode()
     parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False)

@@ -145,7 +145,7 @@ def watch_scene(path: Path, body: str | None, duration: float) -> Watched:
 
     Raises InputError for a file that is no scene, and for a body that is not there or cannot move.
     """
-    check_file(path, accepted=ACCEPTED)
+    check_file(path, accepted=ACCEPTED, suffixes=(".xml", ".mjcf"))
     columns, about = read_apart(
         f"{__name__}:columns_of", path, ACCEPTED, seconds=_SECONDS, kept=True, body=body, duration=duration
     )

@@ -133,6 +133,12 @@ def test_bad_input_is_one_line_and_exit_2(line: str, message: str, capfd: pytest
         ("tune foo", "tune mujoco"),
         ("dataset emps", "dataset emps --download emps"),
         ("run --m", "run --help"),
+        ("tune mujoco --out new", "tune mujoco"),
+        ("log good.csv --robot=arm.xml", "log good.csv"),
+        ("identify good.csv --engine mujoco --quiet", "identify good.csv --quiet"),
+        ("diagnose --before good.csv", "diagnose good.csv"),
+        ("words .", "words ./arm.xml"),
+        ("diff mujco mujoco", "diff mujoco mujoco"),
     ],
 )
 @pytest.mark.usefixtures("desk")

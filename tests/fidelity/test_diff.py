@@ -164,6 +164,13 @@ def test_what_is_neither_engine_nor_sweep_is_refused(given: str, message: str) -
         side(given, SHORT(), PUBLISHED)
 
 
+def test_the_folder_of_a_published_baseline_is_its_rows() -> None:
+    folder = PUBLISHED.parent
+    assert side(str(folder), SHORT(), None).rows == side(str(PUBLISHED), SHORT(), None).rows
+    with pytest.raises(InputError, match=r"reports: no result\.json and no baseline\.json"):
+        side(str(folder.parent), SHORT(), None)
+
+
 def test_a_file_that_is_no_sweep_is_refused(tmp_path: Path) -> None:
     (tmp_path / "result.json").write_text('{"schema": "harness.run/1"}')
     with pytest.raises(InputError, match=r"result\.json: no harness\.sweep/1"):

@@ -209,8 +209,8 @@ def test_a_stopped_sweep_goes_on_to_the_same_rows(how: signal.Signals, swept: ro
     assert not (folder / "result.json").exists()
     assert (code, out) == (130 if how is signal.SIGINT else -how, "")
     if how is signal.SIGINT:
-        assert f"{len(kept)} of {len(alone)} rows are kept" in said
-        assert f"--resume --out {folder} " in said
+        assert f"{len(kept)} of {len(alone)} rows are kept. Try: harness sweep --engine mujoco " in said
+        assert f" --quiet --resume --out {folder}\n" in said
         assert not list(folder.glob("rows/.*"))
     assert run([*line.split(), "--resume"]) == 0
     rows = rows_of(folder)
@@ -294,7 +294,7 @@ def test_a_full_disk_keeps_what_was_done(tmp_path: Path, monkeypatch: pytest.Mon
     monkeypatch.setattr(room, "PART_S", math.inf)
     options = SweepOptions(("mujoco",), ("joint",), ("as-shipped",), (2e-3,), jobs=1)
     with pytest.raises(
-        StoreError, match=r"no space left on the device.*; 10 of \d+ rows are kept, the same command with"
+        StoreError, match=r"no space left on the device.*; 10 of \d+ rows are kept. Try: --resume --out"
     ):
         sweep(options, tmp_path / "out")
     monkeypatch.undo()

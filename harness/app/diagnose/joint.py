@@ -104,7 +104,7 @@ def _gains(asked: RobotOptions, joints: Sequence[str]) -> dict[str, float]:
     if isinstance(gain, tuple):
         if len(gain) != len(joints):
             found = f"{len(gain)} numbers, and the model has {len(joints)} joints"
-            raise InputError("--gain", found, f"one each of {', '.join(joints)}, or NAME=NUMBER,...")
+            raise InputError("--gain", found, f"one each of {', '.join(joints)}, or NAME=NUMBER for each")
         return dict(zip(joints, gain, strict=True))
     return {} if gain is None else dict(gain) if isinstance(gain, Mapping) else dict.fromkeys(joints, gain)
 

@@ -129,7 +129,7 @@ def _number(option: str, text: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise InputError(option, repr(text), "a number, or NAME=NUMBER,...") from None
+        raise InputError(option, repr(text), "a number, or NAME=NUMBER for each joint") from None
 
 
 _READ: Mapping[str, Callable[[str], Any]] = {

@@ -16,6 +16,7 @@ from contextlib import contextmanager, suppress
 from importlib import import_module
 from itertools import islice
 from pathlib import Path
+from shlex import quote
 from typing import Any, Protocol, TypeAlias, TypeVar, final
 
 from harness.app.shared.machine import cores
@@ -185,7 +186,7 @@ def resumable(folder: Path, kept: Callable[[], str]) -> Iterator[None]:
         kind, what = (
             (type(error), str(error)) if isinstance(error, HarnessError) else (InterruptionError, "interrupted")
         )
-        raise kind(f"{what}; {kept()}, the same command with --resume --out {folder} goes on") from None
+        raise kind(f"{what}; {kept()}. Try: --resume --out {quote(str(folder))}") from None
 
 
 class Keyed(Protocol):

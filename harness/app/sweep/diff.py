@@ -15,7 +15,7 @@ from harness.app.shared.progress import SILENT, Progress
 from harness.app.sweep.regress import Rows, Version, against, by_version, counterpart, fresh_rows, version_of
 from harness.app.sweep.sweep import RESULT, SweepOptions
 from harness.core.bounded import MOST_DOCUMENT_BYTES, read_bytes
-from harness.core.errors import InputError, SimulationError
+from harness.core.errors import InputError, SimulationError, did_you_mean
 from harness.engines import registry
 from harness.fidelity.compare import REGRESSIONS, is_regression, kept, moved_rows
 from harness.fidelity.select import Selection
@@ -49,7 +49,11 @@ def _called(version: Version) -> str:
 
 def stored_rows(path: Path) -> Rows:
     """Rows of a sweep, its folder or its result, or of a baseline, by name. Raises InputError for what is neither."""
-    file, accepted = path / RESULT if path.is_dir() else path, "a folder or result of harness sweep, or a baseline"
+    accepted = "a folder or result of harness sweep, or a baseline"
+    inside = [path / RESULT, path / "baseline.json"] if path.is_dir() else [path]
+    file = next((one for one in inside if one.is_file()), None)
+    if file is None:
+        raise InputError(str(path), f"no {' and no '.join(one.name for one in inside)} in this folder", accepted)
     data = read_bytes(file, MOST_DOCUMENT_BYTES)
     try:
         if b"harness.baseline/1" in data[:200]:
@@ -67,7 +71,9 @@ def side(given: str, options: SweepOptions, baseline: Path | None, progress: Pro
     name, _, rest = given.partition("@")
     if name not in registry.names():
         if not Path(given).exists():
-            registry.check(given, given)
+            known = registry.names()
+            accepted = f"one of {', '.join(known)}, or a sweep's folder{did_you_mean(name, known)}"
+            raise InputError(given, "no engine, no file and no folder", accepted)
         return Side(given, _wanted(stored_rows(Path(given)), options))
     if not rest or Path(rest).exists() or "/" in rest:
         return Side(given, fresh_rows(replace(options, engines=(given,)), progress))

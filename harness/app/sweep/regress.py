@@ -43,7 +43,7 @@ def fresh_rows(options: SweepOptions, progress: Progress = SILENT) -> Rows:
     Raises InputError where no row has a name that was asked for.
     """
     with tempfile.TemporaryDirectory(prefix="friction-harness-") as folder:
-        result = sweep(options, Path(folder) / "sweep", progress)
+        result = sweep(options, Path(folder) / "sweep", progress, stays=False)
         found = {row["name"]: kept(row) for row in result.rows()}
     if not found and options.rows != Selection():
         name = next(iter(matrix_names(options)), "mujoco/joint/tuned")

@@ -4,6 +4,7 @@ import json
 import logging
 import time
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import partial
 from itertools import chain
@@ -161,12 +162,14 @@ def sweep(
     progress: Progress = SILENT,
     command: str = "",
     function: Compute = compute,
+    stays: bool = True,
 ) -> Sweep:
     """Compute the matrix into a folder; rows are on disk as they come.
 
-    out : folder, None for reports/sweep-TIME here. function : what a worker runs. Raises StoreError for a folder that
-    cannot be written, is taken or in use, InterruptionError after an interruption, HarnessError when a cluster is lost;
-    in each case the rows that were done are kept and the message says how to go on.
+    out : folder, None for reports/sweep-TIME here. function : what a worker runs. stays : whether the folder outlives
+    the call, so that a sweep that is stopped can be resumed. Raises StoreError for a folder that cannot
+    be written, is taken or in use, InterruptionError after an interruption, HarnessError when a cluster is lost; in
+    each case the rows that were done are kept and the message says how to go on.
     """
     started = time.perf_counter()
     engines = engines_for(options)
@@ -179,7 +182,9 @@ def sweep(
         notes = [_damaged(name) for name in parts.damaged]
         total = options.matrix.size(engines)
         wanted = (spec for spec in options.matrix.specs(engines) if int(spec.key, 16) not in have)
-        done = _compute(options, parts, bundled(wanted, engines, options), (len(have), total), progress, function)
+        done = _compute(
+            options, parts, bundled(wanted, engines, options), (len(have), total), progress, function, stays
+        )
         count = failures = 0
         for row in parts.read():
             count, failures = count + 1, failures + (row["error"] is not None)
@@ -215,6 +220,7 @@ def _compute(
     having: tuple[int, int],
     progress: Progress,
     function: Compute,
+    stays: bool,
 ) -> int:
     """Compute and keep; returns how many rows were computed. having : rows there were, and rows of the matrix."""
     first = next(bundles, None)
@@ -233,7 +239,9 @@ def _compute(
 
     kept = partial(worked, jobs=options.jobs, cluster=options.cluster, idle=(PART_S, keep))
     with (
-        resumable(parts.folder.parent, lambda: f"{had + done - len(buffer)} of {total} rows are kept"),
+        resumable(parts.folder.parent, lambda: f"{had + done - len(buffer)} of {total} rows are kept")
+        if stays
+        else nullcontext(),
         kept(
             "rows", chain([first], bundles), partial(computed, one=function), lost, progress, having, rows_of=len
         ) as found,

@@ -1,5 +1,6 @@
 """harness diagnose."""
 
+import shlex
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -249,7 +250,8 @@ def _refuse_conditions(recordings: tuple[Path, ...], before: tuple[Path, ...], a
     for name, given, other in (("--before", before, after), ("--after", after, before)):
         if given and not other:
             wanted = "--after" if name == "--before" else "--before"
-            raise InputError(name, f"given without {wanted}", f"it goes with {wanted} FILE")
+            alone = shlex.join(["harness", "diagnose", *map(str, given)])
+            raise InputError(name, f"given without {wanted}", f"try: {alone}")
     if before and recordings:
         accepted = "every recording behind one of the two"
         raise InputError(str(recordings[0]), "neither before nor after", accepted)

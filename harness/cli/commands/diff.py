@@ -47,7 +47,7 @@ def command(
              harness diff reports/before reports/after
     """
     if baseline is not None:
-        check_file(baseline, f"--baseline {baseline}", "a file of harness regress --update")
+        check_file(baseline, f"--baseline {baseline}", "a file of harness regress --update", (".json",))
     from harness.app.sweep.diff import diff
     from harness.app.sweep.sweep import SweepOptions
 

@@ -7,7 +7,7 @@ import click
 
 from harness.cli.options import PATH, output_options
 from harness.cli.output import Output, say, say_all, say_as_it_is, show_rows, this_line
-from harness.core.bounded import check_file
+from harness.core.bounded import MODELS, check_file
 
 if TYPE_CHECKING:
     from harness.results.plan import PlanResult
@@ -40,7 +40,7 @@ def command(
     Example: harness plan --robot arm.urdf
              harness plan --robot arm.xml --joints shoulder,elbow --seconds 30
     """
-    check_file(robot)
+    check_file(robot, suffixes=MODELS)
     from harness.app.plan import plan
 
     names = tuple(name.strip() for name in (joints or "").split(",") if name.strip())

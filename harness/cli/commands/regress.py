@@ -62,7 +62,7 @@ def command(
     if update and traces is not None:
         raise InputError("--update", "given with --traces", "one of them: a baseline is made by a sweep")
     if baseline is not None and not update:
-        check_file(baseline, f"--baseline {baseline}", "try: --update")
+        check_file(baseline, f"--baseline {baseline}", "try: --update", (".json",))
     from harness.app.shared.deliver import check_writable, write_text
     from harness.app.sweep import regress as room
     from harness.app.sweep.sweep import SweepOptions

@@ -8,7 +8,7 @@ import click
 
 from harness.cli.options import PATH, Joint, engines_option, output_options, robot_options
 from harness.cli.output import Output, say, say_all, say_as_it_is, say_left_out, say_paste, show_rows, this_line
-from harness.core.bounded import check_file
+from harness.core.bounded import MODELS, check_file
 from harness.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -71,7 +71,7 @@ def command(
              harness run --m 2.42 --k 2310 --c 4.79 --f-k 0.351 --x0 0.01 --json -
     """
     if model is not None:
-        check_file(model)
+        check_file(model, suffixes=(".json", *MODELS))
     if scene is not None:
         length = given.pop("duration")
         alone = {"--model": model, "--restoring": restoring, "--preset": preset, "--dt": dt, "--robot": robot}

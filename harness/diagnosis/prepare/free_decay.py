@@ -158,8 +158,8 @@ def in_common(recordings: Sequence[Recording]) -> list[str]:
     Nor are two accepted that are one: it would count twice.
     """
     if len(recordings) < _FEWEST:
-        found = recordings[0].file if recordings else "no recording"
-        raise InputError("--together", f"{found} alone", "two recordings of one machine or more")
+        found = f"{recordings[0].file} alone" if recordings else "no recording"
+        raise InputError("--together", found, "two recordings of one machine or more")
     driven = [one.file for one in recordings if is_driven(one)]
     free = [one.file for one in recordings if not is_driven(one)]
     if driven and free:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
-from harness.core.bounded import check_file, read_bytes
+from harness.core.bounded import MODELS, check_file, read_bytes
 from harness.core.errors import InputError
 from harness.robot.bare import MOST_BYTES, Source, read_xml, with_included
 from harness.robot.paste import tags
@@ -59,7 +59,7 @@ def nodes_of(path: Path) -> tuple[Form, list[Node]]:
 
     Raises InputError for a file that is not there, too large, or none of these formats.
     """
-    check_file(path, accepted=ACCEPTED)
+    check_file(path, accepted=ACCEPTED, suffixes=(*MODELS, ".usda"))
     if path.suffix.lower() in _USD:
         return "usd", list(_prims(path))
     source = read_xml(path)

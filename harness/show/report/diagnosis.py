@@ -178,7 +178,7 @@ def index_page(answers: Sequence[Answer], folder: Path, command: str, fleet: Fle
     counts = Counter(m.name for answer in answers for m in answer.mechanisms)
     named = ", ".join(f"{name} ({count})" for name, count in counts.most_common())
     headline = f"Missing: {named}." if named else "No physics was found to be missing."
-    failed = [f"{one.recording.file}: {one.error}" for one in answers if isinstance(one, FailedDiagnosis)]
+    failed = [_failure(one) for one in answers if isinstance(one, FailedDiagnosis)]
     heads = ("verdict", "missing", "not ruled out", "chi-square per point before", "after")
     columns = [b.Column(head, b.by(i, lambda answer, i: _entry(answer)[i])) for i, head in enumerate(heads)]
     table = b.tabulated(
@@ -195,6 +195,12 @@ def index_page(answers: Sequence[Answer], folder: Path, command: str, fleet: Fle
     verdicts = Counter(str(answer.verdict) for answer in answers)
     line = ", ".join(f"{verdicts[verdict]} {words}" for verdict, words in VERDICTS.items() if verdicts[verdict])
     return b.Page(f"Diagnoses of {len(answers)} recordings", line, [*first, b.Section("Recordings", blocks)])
+
+
+def _failure(answer: FailedDiagnosis) -> str:
+    """The error with its file, which most errors name themselves."""
+    file = answer.recording.file
+    return answer.error if answer.error.startswith(file) else f"{file}: {answer.error}"
 
 
 def _link(answer: Answer, folder: Path) -> str:
