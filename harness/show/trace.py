@@ -260,17 +260,26 @@ def _(view: s.Words, recording: rr.RecordingStream) -> None:
 
 @send.register
 def _(view: s.Space, recording: rr.RecordingStream) -> None:
-    for i, body in enumerate(view.bodies):
+    for name, body in _named(view).items():
         if isinstance(body, s.Body):
-            _send_body(f"{_path(view)}/{i}-{s.slug(body.name)}", body, recording)
+            _send_body(name, body, recording)
         else:
-            _send_robot(_path(view), body, recording)
+            _send_robot(f"/{name}", body, recording)
 
 
-def _send_body(path: str, item: s.Body, recording: rr.RecordingStream) -> None:
-    frame = f"{path}/".removeprefix("/")
+def _named(view: s.Space) -> dict[str, s.Body | Bodies]:
+    """What is seen in a space, by its path, which has one part: the URDF reader takes a prefix for one."""
+    place = s.slug(view.name)
+    return {
+        f"{place}-{i}-{s.slug(body.name)}" if isinstance(body, s.Body) else place: body
+        for i, body in enumerate(view.bodies)
+    }
+
+
+def _send_body(name: str, item: s.Body, recording: rr.RecordingStream) -> None:
+    path, frame = f"/{name}", f"{name}/"
     try:
-        tree = UrdfTree.from_file_path(item.urdf, path.strip("/"), frame_prefix=frame)
+        tree = UrdfTree.from_file_path(item.urdf, name, frame_prefix=frame)
     except (ValueError, OSError, RuntimeError) as error:
         raise InputError(str(item.urdf), f"cannot be read ({error})", "a URDF file") from None
     joint = next((j for j in tree.joints() if j.joint_type in ("prismatic", "revolute", "continuous")), None)
@@ -377,7 +386,7 @@ def _blueprint(layout: s.Layout) -> rrb.Blueprint:
     )
 
 
-def _path(view: s.Lanes | s.Events | s.Words | s.Space) -> str:
+def _path(view: s.Lanes | s.Events | s.Words) -> str:
     return f"/{type(view).__name__.lower()}/{s.slug(view.name)}"
 
 
@@ -391,7 +400,8 @@ def _part(layout: s.Layout) -> Any:  # noqa: PLR0911  (one return a kind of view
             return rrb.Tabs(*map(_part, parts), active_tab=0)
         case Figure():
             return _plot(layout)
-    known: dict[str, Any] = {"name": layout.name, "contents": [f"+ {_path(layout)}/**"]}
+    paths = [f"/{name}" for name in _named(layout)] if isinstance(layout, s.Space) else [_path(layout)]
+    known: dict[str, Any] = {"name": layout.name, "contents": [f"+ {path}/**" for path in paths]}
     match layout:
         case s.Lanes():
             return rrb.StateTimelineView(**known)

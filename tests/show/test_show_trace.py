@@ -1,5 +1,6 @@
 """Traces: written, packed, read back, and accepted by the viewer."""
 
+import io
 import os
 import re
 import struct
@@ -14,6 +15,8 @@ import psutil
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from PIL import Image
+from rerun.chunk import RrdReader
 from show_examples import SCENARIO, make_sources
 
 from harness.core.errors import HarnessError, InputError, StoreError
@@ -304,6 +307,15 @@ def test_a_trace_on_a_full_disk_ends_with_one_line(tmp_path: Path, room: int, mo
     assert list(tmp_path.iterdir()) == []
 
 
+def test_every_slider_is_where_its_view_looks(trace_file: Path) -> None:
+    shapes = {"Boxes3D:half_sizes", "Cylinders3D:lengths"}
+    chunks = RrdReader(trace_file).stream()
+    drawn = {one.entity_path for one in chunks if shapes.intersection(one.to_record_batch().schema.names)}
+    assert len(drawn) > 10
+    for path in drawn:  # not under one part with slashes of its own, which no view names
+        assert re.match(r"/sliders-\d+-[\w-]+/", path), path
+
+
 needs_driver = pytest.mark.skipif(screenshot.driver() is not None, reason=screenshot.driver() or "")
 
 
@@ -329,6 +341,8 @@ def test_no_view_of_a_run_reports_anything(trace_file: Path) -> None:
     width, height = struct.unpack(">II", shot.png[16:24])
     assert width >= 1280
     assert height >= 720
+    seen = Image.open(io.BytesIO(shot.png)).convert("RGB").crop((width * 3 // 5, height // 15, width, height // 3))
+    assert len(seen.getcolors(width * height) or ()) > 100  # the sliders, lit; an empty view has one colour
 
 
 @pytest.mark.parametrize("arguments", [[], ["one.rrd"], ["a", "b", "c", "d"]])
