@@ -16,9 +16,8 @@ from harness.diagnosis.rules import GUARD_SPEED
 from harness.engines.models import folder
 from harness.model.model import Restoring
 from harness.robot.arm import load_arm
-from harness.robot.coupling import coupling
 from harness.robot.example import Friction, excited
-from harness.robot.recording import one_joint
+from harness.robot.recording import coupling, one_joint
 
 _SHARES = (0.0, 0.02, 0.05, 0.1)
 """Of the rms speed: what is tried; 0 leaves out speeds without a sure sign alone."""

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from benchmarks.publish import fidelity, proof
-from harness.app.dataset.machines import FILES
+from harness.app.dataset import FILES
 from harness.core.errors import HarnessError
 from harness.show.report.page import share
 

@@ -165,7 +165,7 @@ def overlay(places: Sequence[Path], target: Path) -> None:
     if twice is not None:
         raise InputError(str(twice), "given twice", "traces that are not the same")
     # imported when it is needed: numpy and the viewer's library come along
-    from harness.show.overlay_scene import named, overlay_scene
+    from harness.show.report.scenes import named, overlay_scene
     from harness.show.stored import read_trace
     from harness.show.trace import write_trace
 

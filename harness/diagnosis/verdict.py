@@ -6,9 +6,8 @@ from dataclasses import dataclass, replace
 from harness.diagnosis.baseline.words import evidence, few_words, strokes_of, words_of
 from harness.diagnosis.fit.model_fit import Fit, LawNumber, of_laws
 from harness.diagnosis.grading.clocks import beat, unresolved
-from harness.diagnosis.grading.contest import Contest
+from harness.diagnosis.grading.contest import Contest, of_search, probability
 from harness.diagnosis.grading.lone import next_best, stand_ins, undecided
-from harness.diagnosis.grading.posterior import of_search, probability
 from harness.diagnosis.outcome import Grade, Verdict
 from harness.diagnosis.residual_tests.structure import UNNAMED, Left
 from harness.diagnosis.rules import (

@@ -13,8 +13,8 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.estimate.noise import Noise
-from harness.fit.autocorrelation import memory
 from harness.fit.least_squares import covariance_of
+from harness.fit.series import memory
 
 METHODS = {"linear": ("f_k",), "exponential": ("c",), "both": ("c", "f_k")}
 """What each fits; the other is taken to be nought."""

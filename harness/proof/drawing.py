@@ -16,9 +16,8 @@ from harness.proof.machines.made import made
 from harness.proof.paths import made as paths
 from harness.proof.plan import DETECTION, MACHINE, PAIR, PATH, PLANT, REAL, Job, possible_pairs
 from harness.proof.plant.cases import Case, csv_text, draw, truth
-from harness.proof.real.made import Wanted
+from harness.proof.real.made import Measured, Rig, Wanted
 from harness.proof.real.made import made as of_real
-from harness.proof.real.measured import Measured, Rig
 from harness.proof.seal import Sealed, digest
 
 ATTEMPTS = 5

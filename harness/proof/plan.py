@@ -17,9 +17,8 @@ from harness.proof.paths.forms import FIRST
 from harness.proof.paths.forms import PATHS as WAYS
 from harness.proof.paths.made import ways
 from harness.proof.plant.effects import ALIENS, KINDS, compatible
-from harness.proof.real.made import Files
+from harness.proof.real.made import Files, Rig
 from harness.proof.real.made import wanted as of_machines_at_hand
-from harness.proof.real.measured import Rig
 
 SINGLE, CONTROL, PAIR, OUTSIDE, DETECTION = "single", "control", "pair", "outside", "detection"
 PLANT, MACHINE, PATH, REAL = "plant", "machine", "path", "real"

@@ -13,7 +13,7 @@ from harness.proof.machines.cases import Sealed as SealedMachine
 from harness.proof.paths.files import numbers_in
 from harness.proof.paths.forms import ARM, AXIS, JOINT, SERVO
 from harness.proof.plan import MACHINE, PATH, Job, Sizes, plan
-from harness.proof.real.measured import Rig, rigs_of
+from harness.proof.real.made import Rig, rigs_of
 from harness.proof.seal import PUBLISHED, RESUMED, STEPS, Ledger, Sealed, digest
 
 ROUNDING = 1e-6

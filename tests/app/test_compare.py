@@ -28,8 +28,8 @@ from harness.results.run import RunResult
 from harness.show import scene as s
 from harness.show.blocks import Figure
 from harness.show.numbers import REFERENCE
-from harness.show.overlay_scene import named, overlay_scene
 from harness.show.report.page import write_report
+from harness.show.report.scenes import named, overlay_scene
 from harness.show.stored import read_trace
 
 AS_IT_IS = (ReadOptions(), ReadOptions())

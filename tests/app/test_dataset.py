@@ -7,8 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from harness.app.dataset.emps import download_emps
-from harness.app.dataset.machines import dataset_machines, listed
+from harness.app.dataset import dataset_machines, download_emps, listed
 from harness.cli.main import run
 from harness.core.errors import InputError
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.app.dataset.emps import PUBLISHED_DIRECTED_ERROR, PUBLISHED_SYMMETRIC, Emps
+from harness.app.dataset import PUBLISHED_DIRECTED_ERROR, PUBLISHED_SYMMETRIC, Emps
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording

@@ -23,7 +23,7 @@ from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import PERIODS_COUNTED
 from harness.diagnosis.starts import Windows
-from harness.fit.autocorrelation import Memory, memory
+from harness.fit.series import Memory, memory
 from harness.kernels.solve import Drive, solve
 from harness.model.model import Model, ModelTerm, Restoring
 

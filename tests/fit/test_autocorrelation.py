@@ -6,7 +6,7 @@ from scipy.signal import lfilter
 
 from harness.core.arrays import FloatArray
 from harness.estimate.noise import Noise
-from harness.fit.autocorrelation import lagged, memory
+from harness.fit.series import lagged, memory
 
 
 def coloured(phi: float, size: int, seed: int = 2) -> FloatArray:

@@ -17,8 +17,17 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.proof.paths.files import packed
 from harness.proof.plan import Sizes
-from harness.proof.real.made import CONSTRUCTED, EFFECTS, REPEATED, SWITCHED, UNTOUCHED, effects_of, wanted
-from harness.proof.real.measured import Measured, Rig
+from harness.proof.real.made import (
+    CONSTRUCTED,
+    EFFECTS,
+    REPEATED,
+    SWITCHED,
+    UNTOUCHED,
+    Measured,
+    Rig,
+    effects_of,
+    wanted,
+)
 from harness.proof.real.score import LISTED, RIGHT, SILENT, WRONG, Difference, difference, found, not_run, outcome
 from harness.proof.statistics import Rate
 
@@ -246,7 +255,7 @@ def test_a_proof_on_real_machines_is_sealed_and_verified_where_their_files_are(
     assert "were not made again" in without.notes[0]
     assert "Machine by machine" in (tmp_path / "real" / "report.html").read_text(encoding="utf-8")
     (folder / "axis.csv").write_text(decay(0.001).text, encoding="utf-8")
-    from harness.app.prove.at_hand import measured_in
+    from harness.app.prove.store import measured_in
 
     measured_in.cache_clear()
     with pytest.raises(InputError, match=r"axis\.csv is not there, or not as it was sealed"):

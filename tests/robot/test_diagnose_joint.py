@@ -23,9 +23,8 @@ from harness.kernels.solve import simulate
 from harness.model.model import Model, ModelTerm, Restoring
 from harness.results.diagnosis import DiagnosisResult
 from harness.robot.arm import load_arm
-from harness.robot.coupling import coupling
 from harness.robot.example import FRICTION, Friction, excited, write
-from harness.robot.recording import one_joint, slips
+from harness.robot.recording import coupling, one_joint, slips
 from harness.robot.reduction import Reduced, reduced
 
 FILE = folder() / "arm" / "arm.xml"

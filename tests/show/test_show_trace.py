@@ -174,7 +174,7 @@ def test_a_folder_that_is_not_there_is_said_and_nothing_is_left(tmp_path: Path, 
 
 def test_the_page_and_the_scene_do_not_load_the_viewer() -> None:
     code = (
-        "import sys; import harness.show.report.motion, harness.show.overlay_scene, harness.show.report.run, "
+        "import sys; import harness.show.report.motion, harness.show.report.scenes, harness.show.report.run, "
         "harness.show.report.identify, harness.show.report.page, harness.show.screenshot; "
         "sys.exit('rerun' in sys.modules)"
     )

@@ -29,9 +29,8 @@ from harness.io.recording import read_recording
 from harness.model.model import Restoring
 from harness.results.diagnosis import DiagnosisResult
 from harness.robot.arm import Arm, load_arm
-from harness.robot.coupling import Coupling, coupling
 from harness.robot.match.compared import Compared, compare
-from harness.robot.recording import OneJoint, one_joint, slips
+from harness.robot.recording import Coupling, OneJoint, coupling, one_joint, slips
 from harness.robot.smooth import moving
 from harness.robot.whole_arm.differentiate import long_enough
 

@@ -21,11 +21,11 @@ from harness.results.common import RecordingInfo
 from harness.results.diagnosis import DiagnosisResult, FitResult, HoldoutResult, MechanismResult
 from harness.results.robot import MatchResult, PasteResult, RobotResult, SimulatedResult
 from harness.robot.arm import Arm
-from harness.robot.coupling import Coupling
 from harness.robot.match.compared import Compared
 from harness.robot.match.sampled import RULES
 from harness.robot.paste import JointPaste, copies, elsewhere
 from harness.robot.pictured import pictured
+from harness.robot.recording import Coupling
 from harness.robot.replay.replay import MUJOCO, PYBULLET, replayed
 from harness.show.report.robot import match_page
 from harness.show.stored import Left, Motion, Shown

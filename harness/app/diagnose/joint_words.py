@@ -25,10 +25,9 @@ from harness.results.common import P, Where
 from harness.results.diagnosis import DiagnosisResult, FitResult, MechanismResult
 from harness.results.robot import CurveResult, SimulatedResult
 from harness.robot.arm import Arm
-from harness.robot.coupling import Coupling
 from harness.robot.friction_curve import FrictionCurve, of_series
 from harness.robot.paste import JointPaste
-from harness.robot.recording import OneJoint, Slips
+from harness.robot.recording import Coupling, OneJoint, Slips
 
 _KNOWN = 0.3
 """Share of dry friction to which it is known, at least, where it is much of the torque."""

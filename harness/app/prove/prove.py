@@ -13,9 +13,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from harness.app.prove.at_hand import check_sealed, measured_in
 from harness.app.prove.keeper import keeping
-from harness.app.prove.store import Store, finish
+from harness.app.prove.store import Store, check_sealed, finish, measured_in
 from harness.app.prove.worker import COMMAND, BlindTask, DrawTask, answer_failed, answer_one, draw_failed, draw_one
 from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import NAME as LOG

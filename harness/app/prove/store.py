@@ -1,24 +1,32 @@
-"""What a proof has on disk: recordings, verdicts line by line, and, while nothing is diagnosed, its secrets."""
+"""What a proof has on disk: recordings, verdicts line by line, and, while nothing is diagnosed, its secrets.
+
+And recordings of real machines that lie in a folder, as its list and the published one name them."""
 
 import gzip
 import json
 import os
 import shutil
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from harness.app.dataset import Listed, at_hand, listed
+from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.prove.keeper import write_private
 from harness.app.shared.deliver import to_json
 from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import SILENT, Progress
+from harness.app.shared.reading import read
 from harness.core.bounded import parse_json, unpacked
 from harness.core.errors import InputError
 from harness.core.writing import explained, replacing
 from harness.io.store import write_text
+from harness.proof.drawing import AtHand
 from harness.proof.plan import Sizes
 from harness.proof.plant.effects import KINDS
+from harness.proof.real.made import Measured, Rig
 from harness.proof.seal import LEDGER, PUBLISHED, STEPS, Ledger, canonical, digest, file_of
 from harness.proof.tally import OURS, tally
 from harness.results.prove import ProofResult
@@ -192,3 +200,40 @@ def all_verdicts(folder: Path, ledger: Ledger) -> dict[str, dict[str, bytes]]:
     """Published verdicts by diagnoser; raises InputError for a file that is missing or none."""
     names = [OURS, *ledger.content(STEPS[2]).get("baselines", {})]
     return {who: published_verdicts(file_of(folder, f"{VERDICTS}/{who}.jsonl.gz")) for who in names}
+
+
+_TOLD = ("restoring", "zero", "mass", "horizon")
+"""Options that are the diagnosis's; all others are the reader's."""
+
+
+@lru_cache(maxsize=1)
+def measured_in(folder: Path) -> tuple[AtHand, tuple[str, ...]]:
+    """What lies in a folder, and the names of listed files that do not. Raises InputError."""
+    # the last to list a file has its word
+    every = {one.file: (one, options) for one, options in listed(folder)}
+    there = at_hand(folder, list(every.values()))
+    measured = {file: _read(there[file], *every[file]) for file in there}
+    rigs = {
+        file: one.rig(
+            file, every[file][0].machine or every[file][0].name, every[file][0].condition, every[file][0].moves
+        )
+        for file, one in measured.items()
+    }
+    return AtHand(rigs, measured), tuple(file for file in every if file not in there)
+
+
+def check_sealed(folder: Path, rigs: Sequence[Rig]) -> None:
+    """Raises InputError for a recording that is not there as a transcript has it."""
+    found = measured_in(folder)[0].rigs
+    for rig in rigs:
+        if rig.file not in found or found[rig.file].sha256 != rig.sha256:
+            accepted = "the folder that the proof was begun with"
+            raise InputError(f"--from {folder}", f"{rig.file} is not there, or not as it was sealed", accepted)
+
+
+def _read(path: Path, one: Listed, options: DiagnoseOptions) -> Measured:
+    found = read(path, options.reading)
+    chosen = {name: str(one.options[name]) for name in _TOLD if name in one.options}
+    if one.options.get("covariate"):
+        chosen["covariate"] = ",".join(one.options["covariate"])
+    return Measured(found.t, dict(found.channels), dict(found.covariates), found.angular, chosen)

@@ -5,8 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from harness.app.prove.at_hand import check_sealed
-from harness.app.prove.store import PAGE, RESULT, all_verdicts
+from harness.app.prove.store import PAGE, RESULT, all_verdicts, check_sealed
 from harness.app.prove.worker import DrawTask, draw_failed, draw_one
 from harness.app.shared.machine import this_machine
 from harness.app.shared.progress import SILENT, Progress

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from harness.app.prove.at_hand import measured_in
+from harness.app.prove.store import measured_in
 from harness.core.errors import SimulationError
 from harness.core.kernel_cache import cache_folder
 from harness.proof.blind import BlindProcess

@@ -38,7 +38,7 @@ def command(name: str, folder: Path | None, into: Path | None, jobs: int | None,
             raise InputError("--download", "given with machines", accepted)
         if folder is None:
             raise InputError("--from", "not given", "the folder with the recordings")
-        from harness.app.dataset.machines import dataset_machines
+        from harness.app.dataset import dataset_machines
 
         with to.told() as progress:
             machines = dataset_machines(folder, to.out, progress, this_line(), jobs)
@@ -46,7 +46,7 @@ def command(name: str, folder: Path | None, into: Path | None, jobs: int | None,
         return 1 if any(row.verdict == "error" for row in machines.rows) else 0
     if jobs is not None:
         raise InputError("--jobs", "given with emps, which is one recording", "it goes with machines")
-    from harness.app.dataset.emps import dataset_emps, download_emps
+    from harness.app.dataset import dataset_emps, download_emps
 
     if (folder is None) == (into is None):
         if into is None:

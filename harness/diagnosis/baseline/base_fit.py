@@ -27,7 +27,7 @@ from harness.diagnosis.parameters import base_of, free_of, with_values
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.driven import Forced
 from harness.diagnosis.problems.simulated import COARSE
-from harness.fit.along_travel import peaks
+from harness.fit.series import peaks
 from harness.kernels.solve import Scales
 from harness.model.elsewhere import Elsewhere, parted
 from harness.model.model import Model

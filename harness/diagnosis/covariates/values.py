@@ -15,7 +15,7 @@ from harness.core.recording import Recording
 from harness.diagnosis.request import AskedCovariate
 from harness.diagnosis.rules import COVARIATE_APART, COVARIATE_VARIES, DECISIVE
 from harness.estimate.noise import Noise, channel_noise
-from harness.fit.autocorrelation import memory
+from harness.fit.series import memory
 from harness.model.covariate import Acts, Covariate
 
 

@@ -17,7 +17,7 @@ from harness.core.arrays import BoolArray, FloatArray
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.motion import Motion
 from harness.diagnosis.problem import Problem
-from harness.fit.autocorrelation import memory
+from harness.fit.series import memory
 from harness.model import term as acting
 from harness.model.term import Spans
 

@@ -31,7 +31,7 @@ from harness.diagnosis.problem import Problem
 from harness.diagnosis.rules import DECISIVE, MOST_LISTED
 from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search, forms, under
-from harness.fit.autocorrelation import memory
+from harness.fit.series import memory
 from harness.kernels.solve import Scales
 from harness.model.model import ModelTerm
 from harness.model.registry import not_parted, other_forms_of

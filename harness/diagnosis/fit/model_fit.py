@@ -17,8 +17,8 @@ from harness.diagnosis.fit.bounds import within
 from harness.diagnosis.parameters import Free, bounds_of, coordinates_of, values_of, with_coordinates, with_values
 from harness.diagnosis.problem import Observation, Problem
 from harness.diagnosis.problems.simulated import FINE
-from harness.fit.autocorrelation import Memory, memory
 from harness.fit.least_squares import Descent, Stop, Until, coloured_covariance, covariance_of, least_squares
+from harness.fit.series import Memory, memory
 from harness.kernels.solve import Effort, Scales
 from harness.model.model import Model
 from harness.model.term import Parameter, Term

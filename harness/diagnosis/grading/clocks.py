@@ -22,7 +22,7 @@ from harness.diagnosis.residual_tests.structure import Left, left_by
 from harness.diagnosis.rules import BEAT, CLOCK_DRIFT, SAME_CLOCK
 from harness.diagnosis.search.extend import settle
 from harness.diagnosis.search.search import Search, noise_of, under
-from harness.fit.autocorrelation import lagged
+from harness.fit.series import lagged
 from harness.kernels.solve import Scales
 from harness.model.model import ModelTerm
 from harness.model.term import Slot

@@ -27,7 +27,7 @@ from harness.diagnosis.rules import CONFIRMED, FORCE_POSTERIOR, GAIN, SHARE_OF_E
 from harness.diagnosis.search.against import in_company
 from harness.diagnosis.search.look import Recorded, within
 from harness.diagnosis.search.screen import direct, screen
-from harness.fit.along_travel import peaks
+from harness.fit.series import peaks
 from harness.kernels.solve import Scales
 from harness.model.model import Model
 from harness.model.registry import NAMED

@@ -13,7 +13,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.diagnosis.problems.asked import inverse_force
-from harness.fit.along_travel import PER_CYCLE, spectrum, standing_out
+from harness.fit.series import PER_CYCLE, spectrum, standing_out
 from harness.model.model import Model
 
 _FASTER, _LONGER = 2.5, 4

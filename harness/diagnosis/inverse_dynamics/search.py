@@ -35,7 +35,7 @@ from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import AMONG_NAMES, DECISIVE, MOST_FORCE_TERMS, MOVES, PREDICTS_WORSE, SHOWN_BY_FORCE
 from harness.diagnosis.search.search import Search, less_each, under
 from harness.diagnosis.smoothed_state.state import Course
-from harness.fit.autocorrelation import ENOUGH
+from harness.fit.series import ENOUGH
 from harness.kernels.solve import Drive, Scales
 from harness.model.model import Model, ModelTerm, Restoring
 from harness.model.registry import NAMED

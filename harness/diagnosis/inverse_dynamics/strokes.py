@@ -9,7 +9,7 @@ from harness.core.arrays import FloatArray, IntArray
 from harness.diagnosis.baseline.words import Strokes
 from harness.diagnosis.problems.measured import Measured
 from harness.diagnosis.rules import DRIVE_REPEATS, MOST_WORDS, PERIODS_COUNTED, STROKE_CUT
-from harness.fit.autocorrelation import Memory
+from harness.fit.series import Memory
 
 _LOOKED_AT = 2000
 """Values of the force in which a period is looked for."""

@@ -14,7 +14,7 @@ import numpy as np
 from harness.core.arrays import FloatArray, IntArray
 from harness.diagnosis.problem import Observation, Problem
 from harness.diagnosis.problems.simulated import observe
-from harness.fit.along_travel import standing_out
+from harness.fit.series import standing_out
 from harness.kernels.solve import By, Effort, Scales
 from harness.model.model import Model, Restoring
 

@@ -25,7 +25,7 @@ from harness.diagnosis.rules import (
     SCREEN_SHARE,
 )
 from harness.diagnosis.search.screen import Candidate, direct, screen
-from harness.fit.along_travel import peaks
+from harness.fit.series import peaks
 from harness.kernels.solve import Scales
 from harness.model.model import ModelTerm
 from harness.model.term import Evidence, Term

@@ -9,8 +9,8 @@ from itertools import compress
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.fit.autocorrelation import Memory, memory
 from harness.fit.least_squares import Bounds, Stop, Until, coloured_covariance, least_squares
+from harness.fit.series import Memory, memory
 from harness.robot.servo.plant import NUMBERS, Run
 
 LONGEST = 20.0

@@ -14,7 +14,7 @@ from scipy.sparse import csr_array
 from scipy.special import gammaincc, gammaln, ndtri_exp
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
-from harness.fit.autocorrelation import memory
+from harness.fit.series import memory
 from harness.robot.whole_arm.columns import Candidate
 
 _ORDER = 8

@@ -1,1 +1,0 @@
-"""harness dataset: published benchmarks."""
