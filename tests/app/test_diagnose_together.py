@@ -6,13 +6,13 @@ from pathlib import Path
 import jsonschema
 import numpy as np
 import pytest
-from rebuilt import is_rebuilt
 
 import harness
 from harness.app.diagnose.conditions import read_conditions
 from harness.app.diagnose.many import diagnose_together
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.together import repeated_results
+from harness.app.report import rebuild
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.quantity import Quantity
@@ -20,6 +20,15 @@ from harness.kernels.solve import Drive, solve
 from harness.model.model import Model
 from harness.results import generate
 from harness.results.diagnosis import DiagnosisResult
+
+
+def is_rebuilt(result: DiagnosisResult, at: Path, says: str) -> None:
+    """The page of a result, made again from its trace, is the page that was written, and says something."""
+    _, page = rebuild(Path(result.files["rrd"]), at)
+    text = page.read_text(encoding="utf-8")
+    assert says in text
+    assert text == Path(result.files["report"]).read_text(encoding="utf-8")
+
 
 Done = tuple[DiagnosisResult, list[Path]]
 STARTS, ZEROS = (0.1, 0.05), (0.01, -0.02)
