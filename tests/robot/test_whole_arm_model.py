@@ -321,8 +321,11 @@ def test_laws_of_one_joint_that_bend_alike_have_the_numbers_put_in_within_their_
         return np.asarray(np.sign(v) * (falls + put_in["c_p"] * np.abs(v) ** put_in["exponent"]))
 
     log = log_of(with_effect(plant, 2, slower_and_concave), motion)
-    effects = whole_arm(log, arm(), joints=[NAMES[2]], lowpass=LOWPASS).joints[0].effects
+    found = whole_arm(log, arm(), joints=[NAMES[2]], lowpass=LOWPASS).joints[0]
+    effects = found.effects
     assert {one.name for one in effects} == {STRIBECK, POWER}
+    assert (found.viscous.value, found.viscous.stderr) == (0.0, None)  # held at nothing, and measured by nothing
+    assert f"no viscous friction: {POWER} is fitted in its place" in found.statement
     told = dict(effects[0].parameters) | dict(effects[1].parameters)
     for name, value in put_in.items():
         assert abs((told[name].value or 0.0) - value) < 3.0 * (told[name].stderr or 0.0) < 0.1 * value

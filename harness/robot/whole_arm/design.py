@@ -318,6 +318,11 @@ class Design:
         self.numbers = self._back @ (self._u.T @ self.y)
         self.residual = self.y - self._u @ (self._u.T @ self.y)
 
+    def in_place_of_viscous(self, joint: int) -> str | None:
+        """The law that takes the place of a joint's viscous friction, None where that is fitted."""
+        own = (one.candidate for one in self.named if one.candidate.joint == joint)
+        return next((one.name for one in own if one.viscous), None)
+
     def place(self, named: Named) -> slice:
         """Where the numbers of what is in the model stand."""
         return self.places[[one.candidate.key for one in self.named].index(named.candidate.key)]

@@ -123,6 +123,11 @@ def whole_arm(
     return _Told(solved, arm).result(known)
 
 
+def _viscous(number: Quantity) -> str:
+    """A joint's viscous friction in a sentence, which a law may stand in place of."""
+    return f"viscous friction {number}" if number.stderr is not None else f"no viscous friction: {number.why}"
+
+
 def within_sample(delay: Quantity, rate: float) -> bool:
     """Whether a delay is within one sample of a log at so many Hz, where it is no error of that.
 
@@ -206,7 +211,7 @@ class _Told:
 
     def _joint(self, j: int, before: float, after: float) -> JointFriction:
         design, filtered, name = self.design, self.filtered, self.filtered.joints[j]
-        coulomb, viscous, offset = self._base(name, design, design.base[j], self.covariance, self.gain[j])
+        coulomb, viscous, offset = self._base(j, design, self.covariance, self.gain[j])
         kept = design.parts[j].stretches.kept
         # a record that was smoothed shows no noise
         smoothed = filtered.torque_noise[j] < UNSMOOTHED.value * math.sqrt(float(np.mean(filtered.torque[:, j] ** 2)))
@@ -224,14 +229,14 @@ class _Told:
             coulomb,
             viscous,
             offset,
-            f"{name}: Coulomb friction {coulomb}, viscous friction {viscous}; residual torque {before:.3g} {unit} rms"
+            f"{name}: Coulomb friction {coulomb}, {_viscous(viscous)}; residual torque {before:.3g} {unit} rms"
             f"{better}.",
             effects,
             (before, after),
             remainder,
             self.solved.problem.guard[j],
             int(np.sum(kept)),
-            self._base(name, self.plain, self.plain.base[j], self.spread, 1.0),
+            self._base(j, self.plain, self.spread, 1.0),
             Left(
                 filtered.t[both], filtered.q[both, dof], filtered.v[both, dof],
                 self.plain.left(j)[both], design.left(j)[both],
@@ -240,15 +245,16 @@ class _Told:
             self._curve(j, effects, coulomb),
         )  # fmt: skip
 
-    def _base(
-        self, name: str, design: Design, place: slice, covariance: FloatArray, gain: float
-    ) -> tuple[Quantity, Quantity, Quantity]:
+    def _base(self, j: int, design: Design, covariance: FloatArray, gain: float) -> tuple[Quantity, Quantity, Quantity]:
         """Coulomb, viscous and offset of a joint, with their errors."""
+        name, place = self.filtered.joints[j], design.base[j]
         errors, numbers = np.sqrt(np.diag(covariance)[place]) / gain, design.numbers[place] / gain
         first, second, third = (
             Quantity(float(x), float(e), self._unit(name, unit))
             for x, e, unit in zip(numbers, errors, _BASE, strict=False)
         )
+        if (other := design.in_place_of_viscous(j)) is not None:  # held at nothing: its error is of no measurement
+            second = Quantity(0.0, None, second.unit, f"{other} is fitted in its place")
         return first, second, third
 
     def _scaled(self, j: int) -> float:
