@@ -150,6 +150,12 @@ class P(Result):
         """The result form of a core Quantity."""
         return cls.model_validate(quantity)
 
+    def __str__(self) -> str:
+        """With its error and unit, or why there is none."""
+        if self.value is None:
+            return f"none ({self.why})"
+        return str(Quantity(self.value, self.stderr, self.unit, self.why, self.systematic))
+
 
 class FleetTrend(Result):
     """A straight line of a parameter over a condition."""

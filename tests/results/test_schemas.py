@@ -74,3 +74,5 @@ def test_two_digits_of_an_error_that_begins_with_one_or_two_else_one(value: floa
 def test_a_number_without_error_or_without_value() -> None:
     assert str(Quantity(1.5, None, "1", "given")) == "1.5"
     assert str(Quantity.refused("s", "too few reversals")) == "unknown"
+    assert str(P.of(Quantity.refused("s", "too few reversals"))) == "none (too few reversals)"
+    assert str(P.of(Quantity(0.0316, 2.5e-4, "s"))) == "0.03160 +- 0.00025 s"

@@ -184,7 +184,7 @@ def graded(result: DiagnosisResult, verdict: str, grade: str) -> DiagnosisResult
     ("verdict", "grade", "words"),
     [
         ("main_effect", "main", "main effect"),
-        ("one_of", "one-of", "one of these"),
+        ("one_of", "one-of", "candidate"),
         ("unexplained", "part", "part of it"),
         ("unexplained", "minor", "minor part"),
     ],

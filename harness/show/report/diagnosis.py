@@ -32,7 +32,7 @@ Answer: TypeAlias = DiagnosisResult | FailedDiagnosis
 VERDICTS = {
     "missing_physics": "missing physics",
     "main_effect": "main effect",
-    "one_of": "one of several",
+    "one_of": "several candidates",
     "adequate": "adequate",
     "unexplained": "unexplained",
     "error": "could not be diagnosed",
@@ -40,7 +40,7 @@ VERDICTS = {
 _GRADES = {
     "explains": "explains it",
     "main": "main effect",
-    "one-of": "one of these",
+    "one-of": "candidate",
     "part": "part of it",
     "minor": "minor part",
     "tabulated": "tabulated",
