@@ -45,6 +45,13 @@ def pytest_collection_modifyitems(session: pytest.Session, config: pytest.Config
         items.extend(_rows(session))
 
 
+def _named_baseline(config: pytest.Config) -> Path | None:
+    """The file of the option, else of the configuration; None where a fixture has to say it."""
+    given: Path | None = config.getoption("--friction-baseline")
+    configured: list[Path] = config.getini("friction_baseline")
+    return given if given is not None else next(iter(configured), None)
+
+
 class _Suite(pytest.Collector):
     """What the rows' tests are below."""
 
@@ -53,7 +60,7 @@ class _Suite(pytest.Collector):
 
 
 def _rows(session: pytest.Session) -> Iterator[pytest.Item]:
-    """Raises pytest.UsageError for an engine that there is not."""
+    """Raises pytest.UsageError for an engine that there is not, and for a baseline that was named and is none."""
     from harness.app.sweep.sweep import SweepOptions, engines_for
     from harness.core.errors import HarnessError
     from harness.fidelity.select import Selection
@@ -62,6 +69,8 @@ def _rows(session: pytest.Session) -> Iterator[pytest.Item]:
     chosen = config.getoption("--friction-engine") or config.getini("friction_engines")
     whole: bool = config.getoption("--friction-whole")
     known = Selection.of(skip=config.getini("friction_skip"), xfail=config.getini("friction_xfail"))
+    if (named := _named_baseline(config)) is not None:
+        _held(named, pytest.UsageError)
     try:
         options = SweepOptions(tuple(chosen), short=not whole)
         specs = [*options.matrix.specs(engines_for(options))]
@@ -80,6 +89,18 @@ def _rows(session: pytest.Session) -> Iterator[pytest.Item]:
         item = pytest.Function.from_parent(suite, name="no-row-is-gone", callobj=_test_of_all(specs))
         item.add_marker(MARK)
         yield item
+
+
+def _held(baseline: Path, kind: Callable[[str], BaseException]) -> "Mapping[Version, Rows]":
+    """Rows of a baseline by engine and version; ``kind`` is raised for what is none."""
+    from harness.app.sweep.regress import held
+    from harness.core.errors import InputError
+
+    try:
+        return held(baseline)
+    except InputError as error:
+        line = "harness regress --baseline friction.json --update"
+        raise kind(f"--friction-baseline {baseline}: {error.found}. Try: {line}") from None
 
 
 def _test_of(spec: "Spec") -> Callable[..., None]:
@@ -118,24 +139,16 @@ def _test_of_all(specs: "list[Spec]") -> Callable[..., None]:
 @pytest.fixture(scope="session")
 def friction_baseline(pytestconfig: pytest.Config) -> Path:
     """The file of rows to compare with, that harness regress --update wrote; a project's own fixture may replace it."""
-    given: Path | None = pytestconfig.getoption("--friction-baseline")
-    configured: list[Path] = pytestconfig.getini("friction_baseline")
-    if given is None and not configured:
+    named = _named_baseline(pytestconfig)
+    if named is None:
         pytest.fail(_NO_BASELINE, pytrace=False)
-    return given or configured[0]
+    return named
 
 
 @pytest.fixture(scope="session")
 def friction_held(friction_baseline: Path) -> "Mapping[Version, Rows]":
     """Rows of the baseline by engine and version, each by what its name holds besides."""
-    from harness.app.sweep.regress import held
-    from harness.core.errors import InputError
-
-    try:
-        return held(friction_baseline)
-    except InputError as error:
-        wrong = f"{error.where}: {error.found}; harness regress --baseline {friction_baseline} --update writes one"
-    pytest.fail(wrong, pytrace=False)
+    return _held(friction_baseline, lambda text: pytest.fail.Exception(text, pytrace=False))
 
 
 @pytest.fixture

@@ -114,6 +114,14 @@ def test_an_engine_that_there_is_not_is_a_usage_error(pytester: pytest.Pytester)
     assert any("did you mean mujoco" in line for line in done.errlines)
 
 
+def test_a_baseline_that_is_named_and_is_none_is_a_usage_error(pytester: pytest.Pytester) -> None:
+    (pytester.path / "notes.json").write_text("{}")
+    for name, found in (("gone.json", "No such file"), ("notes.json", "no harness.baseline/1")):
+        done = pytester.runpytest_inprocess(*PLUGIN, "--friction-baseline", name, *QUICK)
+        assert done.ret == pytest.ExitCode.USAGE_ERROR
+        assert any(found in line and line.endswith("friction.json --update") for line in done.errlines)
+
+
 def test_the_whole_matrix_has_a_test_that_no_row_is_gone(pytester: pytest.Pytester) -> None:
     data = json.loads(PUBLISHED.read_text())
     data["rows"][f"{HOLD}-of-old"] = data["rows"][HOLD]
