@@ -361,8 +361,8 @@ def diagnose_servo(
     """A joint under its servo, from logs of its goals and positions, as ``harness diagnose LOG --servo NAME`` does.
 
     logs : one, or several of one servo. servo : as --servo, "sts3215:16", a gain each where they differ. robot, joint,
-    angle_unit, names, flip, offset : as in ``diagnose_joint``; the last five of a robot's log alone. columns and the
-    rest : as in ``load_log``. engines, out : as in ``diagnose``. Raises InputError, SimulationError, StoreError.
+    angle_unit, names, flip, offset : as in ``diagnose_joint``; joint and the last three with a robot alone. columns and
+    the rest : as in ``load_log``. engines, out : as in ``diagnose``. Raises InputError, SimulationError, StoreError.
     """
     from harness.app.diagnose.options import DiagnoseOptions, RobotOptions, ServoOptions
     from harness.app.diagnose.servo import diagnose_servo as computed
@@ -375,10 +375,11 @@ def diagnose_servo(
         names=names or {},
         flip=tuple(flip),
         offset=offset or {},
-        angle_unit=angle_unit,
+        angle_unit=None if robot is None else angle_unit,
     )
     reading = ReadOptions(columns, skip_rows, rate, start, stop, drop_nan)
-    options = DiagnoseOptions.chosen(reading, engines=engines, robot=asked, servo=ServoOptions.chosen(servo))
+    of_servo = ServoOptions.chosen(servo, angle_unit if robot is None else None)
+    options = DiagnoseOptions.chosen(reading, engines=engines, robot=asked, servo=of_servo)
     named = [(Path(file), str(file)) for file in files]
     return kept(out, "servo", lambda folder: computed(named, options, folder))
 

@@ -1,9 +1,12 @@
 """A joint under its servo, from goals and positions: what comes out of logs of a plant of another make."""
 
+import json
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
 import harness
@@ -117,6 +120,29 @@ def test_what_a_servo_makes_of_its_goal_is_one_name_in_whatever_form(
     """Beyond its dead band a servo feels all of an error, and its goal's speed takes time to change."""
     result = harness.diagnose_servo(log_in(tmp_path, **more))
     assert [one.name for one in result.mechanisms] == [name]
+
+
+def test_a_data_set_in_degrees_needs_no_robot_and_is_asked_for_its_unit(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Of LeRobot: a folder, whose columns nobody can name."""
+    one, folder = logged(1), tmp_path / "set"
+    columns = {"observation.state": np.degrees(one.q)[:, None], "action": np.degrees(one.goal)[:, None]}
+    lists = {name: pa.array(list(values), pa.list_(pa.float64())) for name, values in columns.items()}
+    (folder / "meta").mkdir(parents=True)
+    (folder / "data" / "chunk-000").mkdir(parents=True)
+    features = {name: {"dtype": "float32", "shape": [1], "names": ["elbow.pos"]} for name in columns}
+    (folder / "meta" / "info.json").write_text(json.dumps({"codebase_version": "v3.0", "features": features}))
+    table = pa.table(lists | {"timestamp": one.t, "episode_index": np.zeros(one.t.size, dtype=int)})
+    pq.write_table(table, folder / "data" / "chunk-000" / "file-000.parquet")
+    line = ["diagnose", str(folder), "--quiet", "--out", str(tmp_path / "out")]
+    assert command(line) == 2
+    assert capfd.readouterr().err.endswith(f"degrees look so. Try: harness {' '.join(line)} --angle-unit deg\n")
+    assert command([*line, "--angle-unit", "deg"]) == 0
+    result = DiagnosisResult.model_validate_json((tmp_path / "out" / "result.json").read_text(encoding="utf-8"))
+    assert result.robot is not None
+    assert result.robot.servo is not None
+    assert result.robot.servo.parameters["f_k"].value == pytest.approx(F_K / (INERTIA + ARMATURE), rel=0.1)
 
 
 def stepped(folder: Path, ramp: float = np.inf, lead: float = 0.0) -> Path:

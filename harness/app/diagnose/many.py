@@ -70,6 +70,11 @@ class Many:
         return "[\n" + ",\n".join(to_json(answer).rstrip("\n") for answer in self.answers) + "\n]\n"
 
 
+def check_folder(path: Path) -> None:
+    """Raise InputError for a folder that is no log of joints."""
+    source_of(path)
+
+
 def diagnose(
     path: Path,
     options: DiagnoseOptions,

@@ -146,26 +146,29 @@ class ServoOptions:
     """What somebody says of a servo whose goals and positions are logged.
 
     name : of a preset, None where nobody says it. gains : its own gain in force, one, or one a log; none for the
-    preset's.
+    preset's. angle_unit : of goals and positions that say none, where no robot's options have it.
     """
 
     name: str | None = None
     gains: tuple[float, ...] = ()
+    angle_unit: str | None = None
 
     def __post_init__(self) -> None:
         for gain in self.gains:
             positive("--servo, after the colon", gain, "")
 
     @classmethod
-    def chosen(cls, text: str | None) -> "ServoOptions | None":
+    def chosen(cls, text: str | None, angle_unit: str | None = None) -> "ServoOptions | None":
         """NAME, NAME:GAIN or NAME:GAIN,GAIN,...; None where nothing is given. Raises InputError."""
-        if text is None:
+        if text is None and angle_unit is None:
             return None
-        name, _, gains = text.partition(":")
-        return cls(name.strip(), tuple(_number("--servo", one) for one in gains.split(",") if one.strip()))
+        name, _, gains = (text or "").partition(":")
+        numbers = tuple(_number("--servo", one) for one in gains.split(",") if one.strip())
+        return cls(name.strip() or None, numbers, angle_unit)
 
     def settings(self) -> dict[str, Any]:
-        return {"servo": self.name, "gains": list(self.gains)}
+        unit = {} if self.angle_unit is None else {"angle_unit": self.angle_unit}
+        return {"servo": self.name, "gains": list(self.gains)} | unit
 
 
 Zero = Literal["spring", "free"]

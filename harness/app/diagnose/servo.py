@@ -57,10 +57,14 @@ class ServoCase:
 
 
 def read_servo_log(
-    path: Path, reading: ReadOptions, robot: RobotOptions | None, joints: Sequence[str] | None
+    path: Path,
+    reading: ReadOptions,
+    robot: RobotOptions | None,
+    joints: Sequence[str] | None,
+    angle_unit: str | None = None,
 ) -> JointLog:
-    """A log of joints with what a servo's has beside positions. Raises InputError."""
-    more: dict[str, Any] = {}
+    """A log of joints with what a servo's has beside positions; angle_unit : without a robot. Raises InputError."""
+    more: dict[str, Any] = {"angle_unit": angle_unit}
     if robot is not None:
         named = ("angle_unit", "names", "flip", "offset", "calibration", "topic")
         more = {name: getattr(robot, name) for name in named}
@@ -122,8 +126,17 @@ def _case(named: Sequence[tuple[Path, str]], options: DiagnoseOptions) -> ServoC
     asked, robot = options.servo or ServoOptions(), options.robot
     arm = None if robot is None else load_arm(robot.file, robot.gravity)
     joints = None if arm is None else arm.joints
-    logs = [replace(read_servo_log(path, options.reading, robot, joints), file=label) for path, label in named]
-    joint = servo_joint(logs[0], None if robot is None else robot.joint)
+    logs = [
+        replace(read_servo_log(path, options.reading, robot, joints, asked.angle_unit), file=label)
+        for path, label in named
+    ]
+    try:
+        joint = servo_joint(logs[0], None if robot is None else robot.joint)
+    except InputError:
+        if asked.name is not None or asked.angle_unit is None:
+            raise
+        whose = "it goes with --robot FILE, or a servo's goals and positions; else a unit is its column's in --columns"
+        raise InputError("--angle-unit", "given with neither a robot nor a servo", whose) from None
     for log in logs[1:]:
         servo_joint(log, joint)
     if arm is not None:

@@ -171,6 +171,11 @@ def command(
     several = (len(recordings) > 1 or resume) and not together
     # of several recordings one that is not there is an entry among the answers; a log of joints may be a folder
     alone = recordings if len(recordings) == 1 and not resume and robot is None else ()
+    if alone and alone[0].is_dir():
+        from harness.app.diagnose.many import check_folder
+
+        check_folder(alone[0])
+        alone = ()
     for path in (*alone, *before, *after, sim, chosen["model"], chosen["validate"], conditions):
         if path is not None and str(path) != STANDARD_INPUT:
             check_file(path)
@@ -181,7 +186,8 @@ def command(
     from harness.app.shared.reading import ReadOptions
 
     file, joint, gravity = robot or (None, None, None)
-    servo = ServoOptions.chosen(known.pop("servo"))
+    # without a robot it is of a servo's goals and positions: what else has angles says so in its columns
+    servo = ServoOptions.chosen(known.pop("servo"), known.pop("angle_unit") if file is None else None)
     turned = (known.pop("flip") or "").split(",") if together and file is None else []
     options = DiagnoseOptions.chosen(
         ReadOptions(**reading),

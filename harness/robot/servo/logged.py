@@ -50,8 +50,7 @@ def run_of(log: JointLog, joint: str, servo: Preset | None, kp: float | None, ar
     size, farthest = log.t.size, float(np.max(np.abs(log.position[joint])))
     if farthest > _FARTHEST:
         found = f"positions up to {farthest:.4g} rad, {farthest / (2.0 * np.pi):.2g} turns: degrees look so"
-        of = ",".join(f"{joint}.{field}=COLUMN[deg]" for field in ("goal", "position"))
-        raise InputError(f"{log.file}: {joint}", found, f'their unit in the headers, or --columns "t=COLUMN,{of}"')
+        raise InputError(f"{log.file}: {joint}", found, "try: --angle-unit deg")
     if joint in log.voltage:
         volts = averaged(log.t, log.voltage[joint])
     else:
