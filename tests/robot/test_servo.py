@@ -13,6 +13,7 @@ import harness
 from harness.cli.main import run as command
 from harness.core.arrays import FloatArray
 from harness.results.diagnosis import DiagnosisResult
+from harness.robot.servo.plant import Run
 
 STEP = 2.0 * np.pi / 4096
 STALL, BRAKE, VOLTS, GAIN = 0.45, 0.5, 7.4, 0.166 * 16.0
@@ -28,10 +29,13 @@ class Log(NamedTuple):
     goal: FloatArray
 
 
-def logged(seed: int, seconds: float = 24.0, rate: float = 50.0, dead: float = 0.0, haste: float = 0.0) -> Log:
+def logged(
+    seed: int, seconds: float = 24.0, rate: float = 50.0, dead: float = 0.0, haste: float = 0.0, ramp: float = np.inf
+) -> Log:
     """Goal and position of a joint whose servo works in steps of 0.5 ms, by explicit Euler; friction stops it.
 
     dead : error, rad, up to which it does nothing. haste : rad/s^2 by which its own goal takes its speed up and down.
+    ramp : rad/s, the most of that.
     """
     rng = np.random.default_rng(seed)
     t = np.arange(0.0, seconds, 1.0 / rate)
@@ -47,7 +51,7 @@ def logged(seed: int, seconds: float = 24.0, rate: float = 50.0, dead: float = 0
             found.append(q)
         sent = goal[max(int((now - late) * rate + 1e-9), 0)]
         if haste:
-            fast = np.sign(sent - wanted) * np.sqrt(2.0 * haste * abs(sent - wanted))
+            fast = np.sign(sent - wanted) * min(np.sqrt(2.0 * haste * abs(sent - wanted)), ramp)
             pace += min(max(fast - pace, -haste * h), haste * h)
             wanted += pace * h
         else:
@@ -64,8 +68,8 @@ def logged(seed: int, seconds: float = 24.0, rate: float = 50.0, dead: float = 0
     return Log(t, seen, goal)
 
 
-def log_in(folder: Path, dead: float = 0.0, haste: float = 0.0) -> Path:
-    one = logged(1, dead=dead, haste=haste)
+def log_in(folder: Path, dead: float = 0.0, haste: float = 0.0, ramp: float = np.inf) -> Path:
+    one = logged(1, dead=dead, haste=haste, ramp=ramp)
     table = np.column_stack((one.t, one.goal, one.q))
     np.savetxt(folder / "log.csv", table, "%.9g", ",", header="t,elbow.goal,elbow.position", comments="")
     return folder / "log.csv"
@@ -143,6 +147,32 @@ def test_a_data_set_in_degrees_needs_no_robot_and_is_asked_for_its_unit(
     assert result.robot is not None
     assert result.robot.servo is not None
     assert result.robot.servo.parameters["f_k"].value == pytest.approx(F_K / (INERTIA + ARMATURE), rel=0.1)
+
+
+def test_a_profile_is_found_where_no_servo_without_one_moves_nearly_so(tmp_path: Path) -> None:
+    """Torque, rotor and zero of a fit without it are then far from their own."""
+    result = harness.diagnose_servo(log_in(tmp_path, haste=3.0, ramp=0.4))
+    found = result.mechanisms[0]
+    assert found.name == "goal-speed-limit"
+    assert found.parameters["ramp"].value == pytest.approx(0.4, rel=0.02)
+    assert found.parameters["haste"].value == pytest.approx(3.0, rel=0.05)
+    assert result.refined.rmse["x"] < 1.3 * STEP * np.sqrt(0.25 + 1.0 / 12.0)
+
+
+@pytest.mark.parametrize("limit", [50.0, 0.05])
+def test_a_free_run_is_exact_to_a_part_in_ten_thousand_where_a_goal_jumps_between_its_steps(limit: float) -> None:
+    """A jump of 1 rad, 13.7 ms late: the step response of a mass on a damped spring, or of one that is pushed alone."""
+    t, inertia, damping, stiff = np.arange(0.0, 0.3, 0.02), 0.05, 0.6, 9.0
+    goal, none = np.where(t >= 0.02, 1.0, 0.0), np.zeros_like(t)
+    load = np.tile((inertia, 0.0, 0.0), (t.size, 1))
+    numbers = {"stall": 1.0, "gain": stiff, "armature": 0.0, "brake": damping, "delay": 0.0137, "limit": limit}
+    shown = Run(t, none, goal, none + 1.0, none + 1.0, load).simulated(numbers, [(0, t.size)])
+    rate, since = damping / inertia, np.maximum(t - 0.0337, 0.0)
+    pushed = limit / damping * (since - (1.0 - np.exp(-rate * since)) / rate)
+    fast = np.sqrt(stiff / inertia - 0.25 * rate**2)
+    swung = 1.0 - np.exp(-0.5 * rate * since) * (np.cos(fast * since) + 0.5 * rate / fast * np.sin(fast * since))
+    exact = swung if limit > stiff else pushed
+    assert shown == pytest.approx(exact, abs=1e-4 * np.max(exact))
 
 
 def stepped(folder: Path, ramp: float = np.inf, lead: float = 0.0) -> Path:

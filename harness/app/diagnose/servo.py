@@ -25,20 +25,18 @@ from harness.results.diagnosis import DiagnosisResult
 from harness.results.robot import PasteResult, RobotResult, ServoResult, SimulatedResult
 from harness.robot.arm import Arm, load_arm
 from harness.robot.servo.engines import Simulated, in_mujoco, in_pybullet
-from harness.robot.servo.fit import ServoFit
+from harness.robot.servo.fit import ServoFit, floor
 from harness.robot.servo.logged import run_of, servo_joint
 from harness.robot.servo.paste import ServoPaste, bam, pasted
 from harness.robot.servo.plant import Run
 from harness.robot.servo.presets import Preset, preset
 from harness.robot.servo.search import TERMS, Step, Term
 from harness.robot.servo.servo import Servo, identified
-from harness.robot.servo.told import confounded, dry_friction, floor, quantities, unit_of, verdicts
+from harness.robot.servo.told import confounded, dry_friction, quantities, unit_of, verdicts
 from harness.show.report.servo import servo_page
 
 _STEP = 0.002
 """s: of a model that nobody gives."""
-_NEAR_FLOOR = 1.5
-"""rms over the floor up to which nothing is left."""
 _MAIN = 0.8
 """Error of what was held out, after over before, from which on a term is no main one, nor claimed beside another."""
 _ENGINES = {"mujoco": in_mujoco, "pybullet": in_pybullet}
@@ -265,7 +263,7 @@ def _result(
             "not_in_bam": lost,
         }
     )
-    clean = best.rms <= _NEAR_FLOOR * least
+    clean = best.at_noise
     grades = [_grade(found.steps, i, clean) for i in range(len(found.steps))]
     named = any(grade != "minor" for grade in grades)
     verdict = ("missing_physics" if clean else "main_effect") if named else "adequate" if clean else "unexplained"

@@ -20,8 +20,23 @@ _STEP = 2e-3
 _UNTIL = Until(share=1e-3, iterations=30)
 _UNTOLD = 1e4
 """Standard error, in ordinary sizes, from which a number shows nowhere."""
+NEAR_FLOOR = 1.5
+"""rms over the sensor's up to which a fit leaves nothing."""
+_NORMAL = 0.6745
+"""Median of the absolute value of a normal number of unit variance."""
 _MOVE = 3.0
 """Ordinary sizes that a number moves at most in one step."""
+
+
+def floor(runs: Sequence[Run]) -> float:
+    """rms, rad, of positions' noise and steps: by third differences, which the motion hardly shows, at least
+    step/sqrt(12).
+    """
+    found = []
+    for run in runs:
+        rough = np.median(np.abs(np.diff(run.q, 3))) / (_NORMAL * math.sqrt(20.0))
+        found.append(max(float(rough), run.step / math.sqrt(12.0)))
+    return float(np.median(found))
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +56,14 @@ class Logs:
     def of(cls, runs: Sequence[Run], known: Mapping[str, float], torque: float = 1.0) -> "Logs":
         """All of them."""
         return cls(tuple(runs), tuple(tuple(run.windows(LONGEST)) for run in runs), dict(known), torque)
+
+    def in_runs_of(self, seconds: float) -> "Logs":
+        """What they have in shorter free runs, each from a logged start."""
+        shorter = [
+            tuple(window for first, last in own for window in run.windows(seconds, first, last))
+            for run, own in zip(self.runs, self.windows, strict=True)
+        ]
+        return Logs(self.runs, tuple(shorter), self.known, self.torque)
 
     def size(self, name: str) -> float:
         """What is ordinary for a number."""
@@ -92,6 +115,11 @@ class ServoFit:
     def rms(self) -> float:
         """rad."""
         return math.sqrt(self.squares / self.residual.size)
+
+    @cached_property
+    def at_noise(self) -> bool:
+        """Whether it leaves no more than the sensor."""
+        return self.rms <= NEAR_FLOOR * floor(self.logs.runs)
 
     @property
     def mae(self) -> float:

@@ -5,9 +5,9 @@
     duty = clip(kp e - kd q', +-limit),  e = goal - q, less beside a dead band
 
 Friction is Coulomb's, more at rest (Stribeck 1902, in the form of Bo and Pavelescu 1982), and grows with the torques
-that the gears carry (Duclusaud et al. 2024, arXiv 2410.08650). A step is semi-implicit: damping at its end, friction at
-most what stops the joint. With backlash the rotor is a body of its own that meets the link at either end of the play
-and does not bounce; sensor and servo are on the link's side, where the encoders of such servos are.
+that the gears carry (Duclusaud et al. 2024, arXiv 2410.08650). A step is of second order, torques those halfway;
+friction takes at most what stops the joint. With backlash the rotor is a body of its own that meets the link at either
+end of the play and does not bounce; sensor and servo are on the link's side, where the encoders of such servos are.
 """
 
 import math
@@ -75,26 +75,14 @@ def _acting(error: float, dead: float, power: float) -> float:
 acting = compiled(_acting)
 
 
-def _held(t: FloatArray, goal: FloatArray, at: int, begin: float, end: float) -> tuple[float, int]:
-    """Mean of goals (n,), held from their times t (n,), s, over a span; and the last of them. at : the first."""
-    total, done = 0.0, begin
-    while at + 1 < t.size and t[at + 1] < end:
-        if t[at + 1] > done:
-            total += goal[at] * (t[at + 1] - done)
-            done = t[at + 1]
-        at += 1
-    return (total + goal[at] * (end - done)) / (end - begin), at
-
-
-held = compiled(_held)
-
-
 def _wanted(theta: FloatArray, h: float, goal: float, reached: float, pace: float) -> tuple[float, float]:
     """Where the servo's own goal is a step later, rad, and its speed: at most ``ramp``, taken up and left by ``haste``.
 
-    Each is 0 where it bounds nothing, and one of them bounds it. It stops in whole steps.
+    Each is 0 where it bounds nothing. It stops in whole steps.
     """
     ramp, haste, off = theta[19], theta[25], goal - reached
+    if ramp == 0.0 and haste == 0.0:
+        return goal, 0.0
     if haste == 0.0:
         return min(max(goal, reached - ramp * h), reached + ramp * h), 0.0
     fast = haste * (math.sqrt(h * h + 2.0 * abs(off) / haste) - h)
@@ -104,36 +92,6 @@ def _wanted(theta: FloatArray, h: float, goal: float, reached: float, pace: floa
 
 
 wanted = compiled(_wanted)
-
-
-def _asked(
-    theta: FloatArray,
-    t: FloatArray,
-    goal: FloatArray,
-    at: int,
-    begin: float,
-    end: float,
-    reached: float,
-    pace: float,
-) -> tuple[float, float, int]:
-    """The servo's own goal after a span of goals (n,) of times t (n,), s, with its speed and the last of those.
-
-    Where nothing bounds its speed, their mean; else each counts from its own time on: a run is smooth in their delay.
-    """
-    if theta[19] == 0.0 and theta[25] == 0.0:
-        mean, at = held(t, goal, at, begin, end)
-        return mean, 0.0, at
-    done = begin
-    while at + 1 < t.size and t[at + 1] < end:
-        if t[at + 1] > done:
-            reached, pace = wanted(theta, t[at + 1] - done, goal[at], reached, pace)
-            done = t[at + 1]
-        at += 1
-    reached, pace = wanted(theta, end - done, goal[at], reached, pace)
-    return reached, pace, at
-
-
-asked = compiled(_asked)
 
 
 def _driven(theta: FloatArray, error: float, v: float, volts: float) -> tuple[float, float]:
@@ -153,43 +111,46 @@ def _driven(theta: FloatArray, error: float, v: float, volts: float) -> tuple[fl
 driven = compiled(_driven)
 
 
-def _moved(
-    theta: FloatArray, h: float, link: float, q: float, v: float, motor: float, drive: float, drag: float, outer: float
-) -> tuple[float, float]:
-    """Position and speed a step later, rotor and link one body."""
-    total = link + theta[5] + h * drag
-    dry = dry_friction(theta, v, motor, outer)
-    v = slowed(((link + theta[5]) * v + h * (drive + outer)) / total, h * dry / total)
-    return q + h * v, v
+def _turned(
+    theta: FloatArray, h: float, inertia: float, v: float, drive: float, drag: float, more: float, outer: float
+) -> float:
+    """Speed a step later of an inertia under the motor's torque drive - drag v, a damping ``more`` and a torque that is
+    given, N m.
+
+    Second order and damped however long the step: Pade's (0, 2) of the exponential. Friction is that of the speed
+    halfway, of which a first step with that at the begin tells.
+    """
+    x = h * (drag + more) / inertia
+    whole = 1.0 + x + 0.5 * x * x
+    force = h * (1.0 + 0.5 * x) / (inertia * whole)
+    free, now = v / whole + force * (drive + outer), v
+    v = slowed(free, force * dry_friction(theta, now, drive - drag * now, outer))
+    if theta[8] != 0.0 or theta[10] != 0.0 or theta[12] != 0.0:
+        now = 0.5 * (now + v)
+        v = slowed(free, force * dry_friction(theta, now, drive - drag * now, outer))
+    return v
 
 
-moved = compiled(_moved)
+turned = compiled(_turned)
 
 
 def _moved_apart(
-    theta: FloatArray,
-    h: float,
-    link: float,
-    state: FloatArray,
-    motor: float,
-    drive: float,
-    drag: float,
-    outer: float,
+    theta: FloatArray, h: float, link: float, state: FloatArray, drive: float, drag: float, outer: float
 ) -> None:
     """State (4,): position and speed of link and rotor, a step later, with play between them; gears are the rotor's."""
     rotor, play = theta[5], 0.5 * theta[15]
     q, v, angle, spin = state[0], state[1], state[2], state[3]
-    taken = h * dry_friction(theta, spin, motor, outer)
-    total = rotor + h * drag
-    alone, free, apart = (rotor * spin + h * drive) / total, v + h * outer / link, angle - q
+    v_before, spin_before, apart = v, spin, angle - q
+    # whether they part: without friction, which holds the rotor alone
+    alone, free = (rotor * spin + h * drive) / (rotor + h * (drag + theta[6])), v + h * outer / link
     if abs(apart) >= _TOUCHES * play and (alone - free) * apart >= 0.0:
-        total += link  # pressed together
-        v = slowed((rotor * spin + link * v + h * (drive + outer)) / total, taken / total)
+        both = (rotor * spin + link * v) / (rotor + link)  # pressed together
+        v = turned(theta, h, link + rotor, both, drive, drag, theta[6], outer)
         spin = v
     else:
-        spin, v = slowed(alone, taken / total), free
-    q += h * v
-    angle += h * spin
+        spin, v = turned(theta, h, rotor, spin, drive, drag, theta[6], 0.0), free
+    q += 0.5 * h * (v_before + v)
+    angle += 0.5 * h * (spin_before + spin)
     if abs(angle - q) > play:
         angle = q + (play if angle > q else -play)
         v = (rotor * spin + link * v) / (rotor + link)
@@ -215,7 +176,7 @@ def _free_run(
 
     t, goal, volts, on (n,) : s, rad, V, 1 where the servo drives; each is held to the next sample. load (n, 3) :
     inertia without the rotor, kg m^2, and gravity's torque as sine and cosine of the angle, N m. A goal acts ``delay``
-    later, as its mean over a step or from its own time on, so that the run is smooth in it.
+    later from its own time on, so that the run is smooth in it.
     """
     delay, dead, play, zero = theta[13], theta[14], theta[15], theta[16]
     state[0] -= zero
@@ -224,24 +185,35 @@ def _free_run(
     at = begin
     while at > 0 and t[at] > t[begin] - delay:
         at -= 1
-    reached, pace = goal[at], 0.0
+    reached, pace, bounded = goal[at], 0.0, theta[19] != 0.0 or theta[25] != 0.0
     for i in range(1, out.size):
         k = begin + i - 1
         steps = max(math.ceil((t[k + 1] - t[k]) / STEP - 1e-9), 1)
         h = (t[k + 1] - t[k]) / steps
         sine, cosine = load[k, 1] + theta[17], load[k, 2] + theta[18]
         for j in range(steps):
-            now = t[k] + j * h - delay
-            reached, pace, at = asked(theta, t, goal, at, now, now + h, reached, pace)
-            q, v = state[0], state[1]
-            drive, drag = 0.0, 0.0
-            if on[k] != 0.0:
-                drive, drag = driven(theta, acting(reached - zero - q, dead, theta[24]), v, volts[k])
-            motor, outer = drive - drag * v, -(sine * math.sin(q) + cosine * math.cos(q))
-            if play == 0.0:
-                state[0], state[1] = moved(theta, h, load[k, 0], q, v, motor, drive, drag + theta[6], outer)
-            else:
-                moved_apart(theta, h, load[k, 0], state, motor, drive, drag + theta[6], outer)
+            done = t[k] + j * h - delay
+            end = done + h
+            while done < end:
+                # a goal that comes within a step divides it: beside a limit its mean would drive otherwise
+                while at + 1 < t.size and t[at + 1] <= done:
+                    at += 1
+                until = min(end, t[at + 1]) if at + 1 < t.size else end
+                part, done = until - done, until
+                before = reached
+                reached, pace = wanted(theta, part, goal[at], reached, pace)
+                sent = 0.5 * (before + reached) if bounded else reached
+                v = state[1]
+                half = state[0] + 0.5 * part * v
+                drive, drag = 0.0, 0.0
+                if on[k] != 0.0:
+                    drive, drag = driven(theta, acting(sent - zero - half, dead, theta[24]), v, volts[k])
+                outer = -(sine * math.sin(half) + cosine * math.cos(half))
+                if play == 0.0:
+                    state[1] = turned(theta, part, load[k, 0] + theta[5], v, drive, drag, theta[6], outer)
+                    state[0] += 0.5 * part * (v + state[1])
+                else:
+                    moved_apart(theta, part, load[k, 0], state, drive, drag, outer)
         out[i] = state[0] + zero
 
 

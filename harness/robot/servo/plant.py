@@ -89,11 +89,16 @@ class Run:
         values = np.unique(self.q)
         return float(np.min(np.diff(values))) if values.size > 1 else 0.0
 
-    def windows(self, longest: float) -> list[tuple[int, int]]:
-        """First and last sample + 1 of stretches of at most ``longest`` seconds, each of its own start."""
-        count = max(round((self.t[-1] - self.t[0]) / longest), 1)
-        edges = np.searchsorted(self.t, np.linspace(self.t[0], self.t[-1], count + 1))
-        edges[-1] = self.t.size
+    def windows(self, longest: float, first: int = 0, last: int | None = None) -> list[tuple[int, int]]:
+        """First and last sample + 1 of stretches of at most ``longest`` seconds, each of its own start.
+
+        first, last : between which samples, the last not among them; all of the log.
+        """
+        last = self.t.size if last is None else last
+        begin, end = self.t[first], self.t[last - 1]
+        count = max(round((end - begin) / longest), 1)
+        edges = np.searchsorted(self.t, np.linspace(begin, end, count + 1))
+        edges[0], edges[-1] = first, last
         return [(int(a), int(b)) for a, b in pairwise(edges) if b - a > 2 * _STARTS]
 
     def start(self, at: int) -> tuple[float, float]:

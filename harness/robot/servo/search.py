@@ -20,6 +20,8 @@ _PARTS = 4
 """Into which many logs are divided to be held out."""
 _LOWER = 0.999
 """Share of a sum of squares below which another minimum is the lower one."""
+_SHORT = 1.0
+"""s of a free run with fewer minima: some times what a joint on its servo remembers (1/20 to 1/2 s)."""
 _NEAR = 10.0
 """Evidence by which one term must be worse than another to be ruled out."""
 _ENOUGH = 2.0
@@ -130,6 +132,7 @@ TERMS = (
         lambda f: [
             *({"ramp": x} for x in (0.7 * _fastest_goal(f), _cruising(f)) if x > 0.0),
             *({"haste": _fastest_goal(f) / s, "ramp": 2.0 * _fastest_goal(f)} for s in (0.1, 0.01)),
+            *({"haste": _cruising(f) / s, "ramp": _cruising(f)} for s in (0.1, 0.2)),
         ],
         form=("haste", 100.0),
     ),
@@ -167,19 +170,25 @@ class Search:
     after: tuple[ServoFit, ...]
 
 
-def search(logs: Logs, base: ServoFit, progress: Callable[[str], None] = lambda said: None) -> Search:
-    """Terms as long as evidence and what was not fitted ask for them."""
-    folds = held_out(logs)
+def search(
+    logs: Logs, starts: Sequence[Mapping[str, float]], progress: Callable[[str], None] = lambda said: None
+) -> Search:
+    """Terms as long as evidence and what was not fitted ask for them. starts : of a fit without any."""
+    folds, (base, origin) = held_out(logs), _based(logs, starts)
     now, steps, refused, tried = base, list[Step](), list[str](), dict[str, float]()
     first = out = _predicted(folds, now)
     while len(steps) < _MOST_TERMS:
-        ranked = _ranked(logs, now, {step.term.name for step in steps} | set(refused), progress)
+        # beside a term the others' numbers are near their own
+        begin = {} if steps or now.at_noise else origin
+        ranked = _ranked(logs, now, begin, {step.term.name for step in steps} | set(refused), progress)
         if not steps and not refused:
             # of the lowest minimum, the last one
             tried = {term.name: gain for gain, term, _ in ranked}
         if not ranked or ranked[0][0] < (_ENOUGH if folds else MARGIN.value):
             break
-        gain, term, found = ranked[0]
+        _, term, found = ranked[0]
+        found = _restarted(found)
+        gain = _evidence(now, found)
         # a term may only have led out of a worse minimum, in which the fit without it stood
         led = _lowest(logs, _less(term, [step.term for step in steps], base, found))
         if led.squares < _LOWER * now.squares:
@@ -235,9 +244,13 @@ def _less(term: Term, others: Sequence[Term], base: ServoFit, now: ServoFit) -> 
 
 
 def _ranked(
-    logs: Logs, now: ServoFit, taken: set[str], progress: Callable[[str], None]
+    logs: Logs, now: ServoFit, origin: Mapping[str, float], taken: set[str], progress: Callable[[str], None]
 ) -> list[tuple[float, Term, ServoFit]]:
-    """Terms with evidence and fit, best first: all at a glance, the first few to the end."""
+    """Terms with evidence and fit, best first: all at a glance, the first few to the end.
+
+    origin : where the fit without any began, whose own numbers are far off where they stand for what is missing; none
+    where they are not.
+    """
     looked = []
     linked = all(np.all(run.load[:, 0] > 0.0) for run in logs.runs)
     has = {*(["link"] if linked else []), *(["limit"] if "limit" not in logs.known else [])}
@@ -248,7 +261,8 @@ def _ranked(
             continue
         progress(term.name)
         kept = {name: value for name, value in now.values.items() if name not in term.replaces}
-        tries = [fit(logs, {**kept, **start}, _LOOK) for start in term.starts(now)]
+        begins = [kept, *([{**kept, **origin}] if origin else [])]
+        tries = [fit(logs, {**begin, **start}, _LOOK) for begin in begins for start in term.starts(now)]
         looked.append((min(tries, key=lambda one: one.squares), term))
     looked.sort(key=lambda one: -_evidence(now, one[0]))
     ended = [(_formed(_lowest(logs, one.values), term), term) for one, term in looked[:_FINALISTS]]
@@ -267,7 +281,21 @@ def _lowest(logs: Logs, start: Mapping[str, float]) -> ServoFit:
     """The fit from a start, or a lower minimum off a bound that it ended on, which a descent does not leave again."""
     found = fit(logs, start)
     off = [fit(logs, {**found.values, name: logs.size(name)}) for name in found.free if found.bound(name)]
-    lowest = min(off, key=lambda one: one.squares, default=found)
+    return _lower(found, off)
+
+
+def _restarted(found: ServoFit) -> ServoFit:
+    """A fit, or a lower minimum that runs lead to which are so short that a joint that stuck at a wrong place begins
+    anew before the error grows; where it leaves no more than the sensor there is none.
+    """
+    if found.at_noise:
+        return found
+    short = fit(found.logs.in_runs_of(_SHORT), found.values, _LOOK)
+    return _lower(found, [fit(found.logs, short.values)])
+
+
+def _lower(found: ServoFit, others: Sequence[ServoFit]) -> ServoFit:
+    lowest = min(others, key=lambda one: one.squares, default=found)
     return lowest if lowest.squares < _LOWER * found.squares else found
 
 
@@ -331,9 +359,9 @@ def _confirmed(before: tuple[ServoFit, ...], after: tuple[ServoFit, ...]) -> boo
     return not gains or float(np.mean(gains)) > 0.0
 
 
-def base_start(logs: Logs, starts: list[dict[str, float]]) -> ServoFit:
-    """The fit that descends farthest from some starts: all at a glance, the best to the end."""
+def _based(logs: Logs, starts: Sequence[Mapping[str, float]]) -> tuple[ServoFit, Mapping[str, float]]:
+    """The fit that descends farthest from some starts, all at a glance, the best to the end; and where it began."""
     looked = [(float(np.sum(logs.residual(start) ** 2)), i) for i, start in enumerate(starts)]
-    best = sorted(looked)[:2]
-    tries = [fit(logs, starts[i], _GLANCE) for _, i in best]
-    return fit(logs, min(tries, key=lambda one: one.squares).values)
+    tries = [(fit(logs, starts[i], _GLANCE), starts[i]) for _, i in sorted(looked)[:2]]
+    nearest, start = min(tries, key=lambda one: one[0].squares)
+    return fit(logs, nearest.values), start

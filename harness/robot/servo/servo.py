@@ -10,7 +10,7 @@ from harness.core.arrays import FloatArray
 from harness.robot.servo.fit import Logs, ServoFit
 from harness.robot.servo.plant import Run
 from harness.robot.servo.presets import Preset
-from harness.robot.servo.search import Search, base_start, search
+from harness.robot.servo.search import Search, search
 
 _RIPPLE = 0.5
 """s over which a logged voltage is averaged: switching shows in single readings, a supply that sags in their mean."""
@@ -83,9 +83,7 @@ def identified(
     scale = "gravity" if weighs else "data sheet" if servo is not None else "inertia"
     torque = servo.stall * servo.volts if servo is not None else max(gravity, inertia * 100.0, 100.0 if ratio else 0.0)
     logs = Logs.of(runs, known, torque)
-    starts = _starts(logs, servo, inertia, not loaded)
-    base = base_start(logs, starts)
-    found = search(logs, base, progress)
+    found = search(logs, _starts(logs, servo, inertia, not loaded), progress)
     return Servo(Known(servo, loaded, scale), found, found.base)
 
 

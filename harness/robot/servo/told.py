@@ -13,8 +13,6 @@ from harness.robot.servo.servo import Servo
 _WEAK, _NONE = 0.03, 0.3
 """Relative standard errors up to which a number is told (6 % is two of them), and from which it is not."""
 _NOT = "no part of the log shows it"
-_NORMAL = 0.6745
-"""Median of the absolute value of a normal number of unit variance."""
 PLAIN = ("zero", "sine", "cosine")
 """Numbers whose size says nothing of how well they are known."""
 
@@ -80,17 +78,6 @@ def confounded(servo: Servo, runs: tuple[Run, ...]) -> list[str]:
     elif "zero" in values and all(np.ptp(run.q) < 0.5 for run in runs):
         said.append("over so small angles gravity's torque and the sensor's zero are nearly one")
     return said
-
-
-def floor(runs: tuple[Run, ...]) -> float:
-    """rms, rad, of positions' noise and steps: by third differences, which the motion hardly shows, at least
-    step/sqrt(12).
-    """
-    found = []
-    for run in runs:
-        rough = np.median(np.abs(np.diff(run.q, 3))) / (_NORMAL * math.sqrt(20.0))
-        found.append(max(float(rough), run.step / math.sqrt(12.0)))
-    return float(np.median(found))
 
 
 def _fading(values: Mapping[str, float]) -> str:
