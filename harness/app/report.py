@@ -122,7 +122,9 @@ def find_trace(place: Path) -> Path:
     if not path.is_file():
         raise InputError(str(path), "no such file", f"an output folder with {TRACE}, or a .rrd")
     if path.suffix.lower() != ".rrd":
-        raise InputError(str(path), f"a {path.suffix or 'nameless'} file", "an output folder or a .rrd")
+        # the page or the result of a run is pointed at where its folder, or the trace beside it, is meant
+        near = f"; did you mean {path.with_name(TRACE)}?" if path.with_name(TRACE).is_file() else ""
+        raise InputError(str(path), f"a {path.suffix or 'nameless'} file", f"an output folder or a .rrd{near}")
     return path
 
 

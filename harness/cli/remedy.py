@@ -50,7 +50,8 @@ def whole_line(error: Exception, group: click.Group) -> str:
     if words and (options := _PROPOSED.search(message)):
         line = f"{shlex.join(_without_named(words, options['options']))} {options['options']}"
         return f"{message[: options.start()]}Try: {line}{options['rest'] or ''}"
-    if words and near and (meant := _with_near(words, near)):
+    about = error.where if isinstance(error, InputError) else ""
+    if words and near and (meant := _with_near(words, near, about)):
         return f"{message.rstrip('.')}{'' if message.endswith('?') else '.'} Try: {shlex.join(meant)}"
     to_mend = len(words) > 1 and isinstance(error, HarnessError) and "Try: " not in message
     if to_mend and (kept := _mended(words, error, group)):
@@ -79,8 +80,12 @@ def _without_named(words: Sequence[str], options: str) -> list[str]:
     return [word for before, word in pairs if before not in valued and not {word, word.partition("=")[0]} & named]
 
 
-def _with_near(words: Sequence[str], name: str) -> list[str]:
-    """Words of a command with ``name`` in place of the one most like it; none where no word is like it."""
+def _with_near(words: Sequence[str], name: str, about: str) -> list[str]:
+    """Words of a command with ``name`` in place of the one the error is about, else of the one most like it; none where
+    no word is like it.
+    """
+    if about in words[1:] and not about.startswith("-"):
+        return [name if word == about else word for word in words]
     places = [(i, j, part) for i, word in enumerate(words) if i for j, part in enumerate(_split(word, name))]
     alike = [(_likeness(part, name), i, j) for i, j, part in places if part != name]
     ratio, i, j = max(alike, default=(0.0, 0, 0))

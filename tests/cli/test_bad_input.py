@@ -72,6 +72,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         log = excited(load_arm(arm), {}, ("shoulder",), duration)
         still = {other: np.zeros(log.t.size) for other in ("base", "elbow")}
         write_log(replace(log, position={**log.position, **still}), made / f"{name}.csv")
+    (made / "run").mkdir()
+    for name in ("trace.rrd", "report.html"):
+        (made / "run" / name).write_text("")
     (made / "full").mkdir()
     (made / "full" / "mine.txt").write_text("precious")
     return made
@@ -138,6 +141,9 @@ def test_bad_input_is_one_line_and_exit_2(line: str, message: str, capfd: pytest
         ("identify good.csv --engine mujoco --quiet", "identify good.csv --quiet"),
         ("diagnose --before good.csv", "diagnose good.csv"),
         ("words .", "words ./arm.xml"),
+        ("view run/trace.rrd run/report.html", "view run/trace.rrd run/trace.rrd"),
+        ("report run/report.html", "report run/trace.rrd"),
+        ("diagnose log.csv long.csv --robot arm.xml --together", "diagnose log.csv long.csv --robot arm.xml"),
         ("diff mujco mujoco", "diff mujoco mujoco"),
     ],
 )

@@ -210,7 +210,7 @@ def command(
     neither = conditions if not together and (robot is None or not several) else None
     refuse("given", "it goes with --together, and with several logs and --robot FILE", conditions=neither)
     refuse("given with several logs", "it goes with one", join=(several and reading["join"]) or None)
-    _refuse_beside(cluster, several, together, resume, jobs)
+    _refuse_beside(cluster, several, together, resume, jobs, of_arm=file is not None and servo is None)
     if before:
         refuse("given with --before", "it goes without", together=together or None, resume=resume, jobs=jobs)
         from harness.app.diagnose.change import change
@@ -240,12 +240,17 @@ def command(
     return 1 if several and many.failed else 0
 
 
-def _refuse_beside(cluster: str | None, several: bool, together: bool, resume: bool, jobs: int | None) -> None:
+def _refuse_beside(
+    cluster: str | None, several: bool, together: bool, resume: bool, jobs: int | None, *, of_arm: bool
+) -> None:
     """Raise InputError for what is of several that are diagnosed each, and of processes here."""
     if cluster is not None and not several:
         raise InputError(f"--cluster {cluster}", "given with one diagnosis", "it goes with several recordings")
     if cluster is not None:
         refuse("given with --cluster", "one of the two", jobs=jobs)
+    if together and of_arm:
+        accepted = "it goes with recordings of one motion; logs of a robot are diagnosed one by one and compared"
+        raise InputError("--together", "given with --robot", accepted)
     if together:
         accepted = "it goes with several that are diagnosed one by one"
         refuse("given with --together", accepted, resume=resume, jobs=jobs)
