@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from harness.cli.output import figure, say, say_all, say_as_it_is, say_paste, show_rows, with_error
+from harness.core.errors import short_names
 
 if TYPE_CHECKING:
     from harness.app.diagnose.many import Many
@@ -253,10 +254,11 @@ def _own(result: "DiagnosisResult") -> None:
     unit = _units(result)[channel]
     heads = ["recording", "x0", *(["zero"] if result.own[0].zero else []), f"noise {channel}\n{unit}"]
     rows, placed = [], "x" in result.baseline.rmse
+    names = short_names([one.file for one in result.own])
     for one in result.own:
         noise = one.noise[channel]
         start = f"{one.start['x0'].value:.4g} {one.start['x0'].unit}" if placed else "-"
-        cells = [Path(one.file).name, start]
+        cells = [names[one.file], start]
         cells += [f"{one.zero.value:.4g} {one.zero.unit}"] if one.zero else []
         cells += [noise if isinstance(noise, str) else f"{noise:.3g}", f"{one.baseline_rmse[channel]:.3g}"]
         rows.append([*cells, *([f"{one.rmse[channel]:.3g}"] if result.mechanisms else [])])
@@ -306,9 +308,9 @@ def say_many(many: "Many") -> None:
     """Several: a line each."""
     from harness.results.diagnosis import FailedDiagnosis
 
-    rows = []
+    rows, names = [], short_names([answer.recording.file for answer in many.answers])
     for answer in many.answers:
-        name = Path(answer.recording.file).name
+        name = names[answer.recording.file]
         if isinstance(answer, FailedDiagnosis):
             rows.append((name, "error", answer.error, "", ""))
             continue
@@ -325,7 +327,7 @@ def say_many(many: "Many") -> None:
 
 def _fleet(fleet: "FleetResult") -> None:
     """Friction of joints over logs of one robot."""
-    rows = []
+    rows, names = [], short_names([log.file for log in fleet.logs])
     for row in fleet.rows:
         same = "differs" if row.differs else f"{row.chance:.2g}"
         between = f"{row.between / abs(row.mean.value):.1%}" if row.mean.value else "-"
@@ -333,5 +335,5 @@ def _fleet(fleet: "FleetResult") -> None:
         at = "" if row.speed is None else f"\nat {row.speed:.2g} {'rad' if 'N m' in unit else 'm'}/s"
         values = (with_error(one, unit).replace(" +- ", "\n+- ") for one in row.values)
         rows.append((f"{row.joint}\n{row.parameter}, {unit}{at}", *values, between, same))
-    show_rows(("joint", *(Path(log.file).name for log in fleet.logs), "between", "the same?"), rows)
+    show_rows(("joint", *(names[log.file] for log in fleet.logs), "between", "the same?"), rows)
     say_all(fleet.statements)

@@ -1,7 +1,8 @@
 """Errors that are told to a person in one line, and what makes such a line plain: what was meant, what can be seen."""
 
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from pathlib import PurePath
 
 TRY = "try: "
 """Begins what is to be pasted: a command, or options of the one that was given."""
@@ -85,3 +86,14 @@ def visible(text: str) -> str:
         return text
     obeyed = {c for c in text if c not in _KEPT and unicodedata.category(c)[0] == "C"}
     return "".join(c.encode("unicode_escape").decode("ascii") if c in obeyed else c for c in text)
+
+
+def short_names(files: Sequence[str]) -> dict[str, str]:
+    """A name for each file: its own, with as many folders before it as tell it from the others."""
+    every = {file: PurePath(file).parts for file in files}
+    found = {}
+    for file, parts in every.items():
+        others = [one for one in every.values() if one != parts]
+        least = (n for n in range(1, len(parts)) if all(one[-n:] != parts[-n:] for one in others))
+        found[file] = str(PurePath(*parts[-next(least, len(parts)) :]))
+    return found

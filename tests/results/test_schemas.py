@@ -8,6 +8,7 @@ import pytest
 from pydantic import ValidationError
 
 from harness.app.doctor import doctor
+from harness.core.errors import short_names
 from harness.core.quantity import Quantity
 from harness.results import generate
 from harness.results.common import P
@@ -76,3 +77,18 @@ def test_a_number_without_error_or_without_value() -> None:
     assert str(Quantity.refused("s", "too few reversals")) == "unknown"
     assert str(P.of(Quantity.refused("s", "too few reversals"))) == "none (too few reversals)"
     assert str(P.of(Quantity(0.0316, 2.5e-4, "s"))) == "0.03160 +- 0.00025 s"
+
+
+@pytest.mark.parametrize(
+    ("files", "names"),
+    [
+        (["a/log.csv"], ["log.csv"]),
+        (["mon/log.csv", "tue/log.csv", "tue/two.csv"], ["mon/log.csv", "tue/log.csv", "two.csv"]),
+        (["log.csv", "x/log.csv"], ["log.csv", "x/log.csv"]),
+        (["/r/a/1/log.csv", "/r/b/1/log.csv"], ["a/1/log.csv", "b/1/log.csv"]),
+        (["a/log.csv", "a/log.csv"], ["log.csv", "log.csv"]),
+        (["-"], ["-"]),
+    ],
+)
+def test_files_are_called_by_as_much_of_their_paths_as_parts_them(files: list[str], names: list[str]) -> None:
+    assert [short_names(files)[file] for file in files] == names

@@ -14,7 +14,7 @@ from harness.app.diagnose.options import DiagnoseOptions, RobotOptions, ServoOpt
 from harness.app.shared.leaving import FILES, leave, leaving
 from harness.app.shared.progress import SILENT, Progress
 from harness.core.arrays import FloatArray
-from harness.core.errors import InputError, SimulationError
+from harness.core.errors import InputError, SimulationError, short_names
 from harness.core.quantity import Quantity
 from harness.core.robot import JointLog
 from harness.io.logs.read import read_joint_log
@@ -235,8 +235,9 @@ def _result(
         else Quantity(stall * x, None, unit, "given")
         for x, unit in ((1.0, torque), (stiff, f"{torque}/rad"))
     )
+    names = short_names([one.file for one in case.runs])
     fitted = [
-        {"of": Path(one.file).name, "before": 1e3 * _mae(b), "after": 1e3 * _mae(a)}
+        {"of": names[one.file], "before": 1e3 * _mae(b), "after": 1e3 * _mae(a)}
         for one, b, a in zip(case.runs, base.logs.split(base.residual), best.logs.split(best.residual), strict=True)
     ]
     out = [

@@ -7,6 +7,7 @@ from pathlib import PurePath
 import numpy as np
 
 from harness.core.arrays import FloatArray
+from harness.core.errors import short_names
 from harness.core.recording import Recording
 from harness.results.compare import (
     ChangedNumber,
@@ -269,7 +270,8 @@ def change_page(result: ChangeResult) -> Page:
         Section("Every number", [_table(result.numbers)]),
         made_with(result.machine, result.files, result.command),
     ]
-    files = [", ".join(PurePath(one.file).name for one in group) for group in (result.before, result.after)]
+    names = short_names([one.file for group in (result.before, result.after) for one in group])
+    files = [", ".join(names[one.file] for one in group) for group in (result.before, result.after)]
     return Page("What changed", f"before: {files[0]}; after: {files[1]}", sections)
 
 

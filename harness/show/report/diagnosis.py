@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path, PurePath
 from typing import TypeAlias
 
+from harness.core.errors import short_names
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
 from harness.results.common import RepeatedResult
@@ -14,7 +15,6 @@ from harness.results.diagnosis import (
     DiagnosisResult,
     FailedDiagnosis,
     MechanismResult,
-    OwnResult,
     PredictionResult,
 )
 from harness.results.fleet import FleetResult
@@ -181,11 +181,12 @@ def index_page(answers: Sequence[Answer], folder: Path, command: str, fleet: Fle
     failed = [_failure(one) for one in answers if isinstance(one, FailedDiagnosis)]
     heads = ("verdict", "missing", "not ruled out", "chi-square per point before", "after")
     columns = [b.Column(head, b.by(i, lambda answer, i: _entry(answer)[i])) for i, head in enumerate(heads)]
+    names = short_names([answer.recording.file for answer in answers])
     table = b.tabulated(
         "recording",
         columns,
         answers,
-        lambda answer: PurePath(answer.recording.file).name,
+        lambda answer: names[answer.recording.file],
         link=lambda answer: _link(answer, folder),
     )
     blocks: list[b.Block] = [table]
@@ -236,18 +237,14 @@ def _own(result: DiagnosisResult) -> b.Section:
             [b.Column("refined", b.by(c, lambda one, c: number(one.rmse[c], 3)), "", f"rmse of {c}")] if helped else []
         )
     alone = [b.Column(n, b.by(n, lambda one, n: b.measured(one.alone[n])), p.unit) for n, p in first.alone.items()]
-    caption = "Viscous and Coulomb friction fitted to each by itself."
+    caption, names = "Viscous and Coulomb friction fitted to each by itself.", short_names([o.file for o in result.own])
     tables = [
-        b.tabulated("recording", columns, result.own, _file, lambda one: "; ".join(one.differs)),
-        b.tabulated("recording", alone, result.own, _file, caption=caption),
+        b.tabulated("recording", columns, result.own, lambda one: names[one.file], lambda one: "; ".join(one.differs)),
+        b.tabulated("recording", alone, result.own, lambda one: names[one.file], caption=caption),
     ]
     if result.together:
         tables.append(_together(result.together))
     return b.Section("Recordings of one machine", tables)
-
-
-def _file(one: OwnResult) -> str:
-    return PurePath(one.file).name
 
 
 def _noise(value: float | str | None, digits: int = 4) -> str:
@@ -307,7 +304,7 @@ def _numbers(result: DiagnosisResult) -> b.Section:
         rows.append(b.Row(f"{head}, {unit}" if unit else head, whole))
 
     for name, p in result.baseline.parameters.items():
-        whose = f" of {_file(result.own[0])}" if name in result.of_first else ""
+        whose = f" of {PurePath(result.own[0].file).name}" if name in result.of_first else ""
         cells = [b.measured(fit.parameters.get(name), reasons) for fit in fits]
         row(f"{_SYMBOLS.get(name, name)}{whose}", quantity(p)[2], cells)
     in_it = {term.name for term in result.refined_model.terms}

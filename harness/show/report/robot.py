@@ -1,11 +1,11 @@
 """Pages of robots: an arm that moves as a whole, one joint in the engines, logs that are compared."""
 
 from collections.abc import Callable, Sequence
-from pathlib import PurePath
 from typing import Any
 
 import numpy as np
 
+from harness.core.errors import short_names
 from harness.core.quantity import Quantity
 from harness.core.trajectory import Trajectory
 from harness.results.common import P
@@ -407,7 +407,8 @@ def _or_none(value: float | None, times: float = 1.0) -> str:
 def fleet_sections(fleet: FleetResult) -> list[b.Section]:
     """What logs of one robot say together: which joint's friction is not the same in all."""
     first, *more = fleet.statements
-    logs = [PurePath(log.file).name for log in fleet.logs]
+    names = short_names([log.file for log in fleet.logs])
+    logs = [names[log.file] for log in fleet.logs]
     trends = dict.fromkeys(t.name for row in fleet.rows for t in row.trends)
     columns = [
         *(b.Column(name, b.by(i, lambda row, i: _or_dash(row.values[i]))) for i, name in enumerate(logs)),
