@@ -94,7 +94,7 @@ def number(value: float | None, digits: int = 4) -> str:
         return NONE
     if value == 0.0:
         return "0"
-    power = math.floor(math.log10(abs(value)))
+    power = int(f"{value:.{digits - 1}e}".partition("e")[2])  # of the rounded value: 0.9999 is 1.00 in three digits
     if -4 <= power < 7:
         return plain(f"{value:.{max(0, digits - 1 - power)}f}")
     return plain(f"{value:.{digits - 1}e}")

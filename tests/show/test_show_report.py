@@ -40,6 +40,8 @@ def page(sources: list[Trajectory], run_result: RunResult) -> str:
         (1234567.0, 3, "1234567"),
         (3.1e-9, 2, "3.1·10⁻⁹"),
         (2.5e8, 2, "2.5·10⁸"),
+        (0.99999, 2, "1.0"),
+        (9.9996, 4, "10.00"),
     ],
 )
 def test_numbers(value: float | None, digits: int, shown: str) -> None:
