@@ -74,6 +74,7 @@ def test_symbols_are_set_and_markup_is_not_let_through() -> None:
     assert symbols("x_k & <b> zeta, omega_n; max_error") == (
         "x<sub>k</sub> &amp; &lt;b&gt; ζ, ω<sub>n</sub>; max_error"
     )
+    assert symbols("say --sim-rate 9; a -- b") == 'say <span class="option">--sim-rate</span> 9; a -- b'
 
 
 def test_the_verdict_comes_first_and_says_how_far_each_is_off(page: str) -> None:

@@ -47,16 +47,18 @@ def _environment() -> Environment:
 
 _GREEK = {"omega": "ω", "zeta": "ζ", "sigma": "σ", "beta": "β", "Omega": "Ω"}
 _SYMBOL = re.compile(r"\b(?:(omega|Omega|sigma|zeta|beta)(?:_(\w+))?|([xfvckmaXFN])_(\w{1,2}))\b")
+_OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]*")
 
 
 def symbols(text: str) -> Markup:
-    """Sentences with x_k, omega_n, +- and the like set as people print them."""
+    """Sentences with x_k, omega_n, +- and the like set as people print them, and options that no line breaks."""
 
     def one(found: re.Match[str]) -> str:
         base, index = _GREEK.get(found[1], found[3]), found[2] or found[4]
         return f"{base}<sub>{index}</sub>" if index else base
 
-    return Markup(_SYMBOL.sub(one, str(escape(text)).replace("+-", "\u00b1")))
+    shown = _SYMBOL.sub(one, str(escape(text)).replace("+-", "\u00b1"))
+    return Markup(_OPTION.sub(r'<span class="option">\g<0></span>', shown))
 
 
 def _beside(name: str) -> Markup:
