@@ -79,11 +79,14 @@ def _check_rows(table: Table, channel: str, values: FloatArray, rows: IntArray) 
         raise RefusedError(where, found, accepted, () if np.isfinite(value) else [{"drop_nan": True}])
 
 
-def _in_order(table: Table, t: FloatArray, rows: IntArray) -> tuple[FloatArray, BoolArray, str | None]:
+def _in_order(
+    table: Table, t: FloatArray, rows: IntArray, values: Sequence[FloatArray]
+) -> tuple[FloatArray, BoolArray, str | None]:
     """Times (n,), s, which samples stay so that they rise, and the sentence that says what was done.
 
-    A few that do not come after the one before are left out; where a clock is too coarse for its samples, those of an
-    even one that it agrees with throughout take its place. Raises InputError where neither will do.
+    values : of each column (m,), by the file's rows. A few that do not come after the one before are left out, and so
+    are all that repeat it, values and all; where a clock is too coarse for its samples, those of an even one that it
+    agrees with throughout take its place. Raises InputError where none of these will do.
     """
     after = rising(t)
     lost = np.flatnonzero(~after)
@@ -93,6 +96,9 @@ def _in_order(table: Table, t: FloatArray, rows: IntArray) -> tuple[FloatArray, 
     if lost.size <= max(_MOST_LOST * t.size, 1):
         many = f"{lost.size} sample{'s' if lost.size > 1 else ''}"
         return t, after, f"{many} whose time does not come after the one before ({row}) not used."
+    same = [np.array_equal(t[lost], t[lost - 1]), *(np.array_equal(y[rows[lost]], y[rows[lost - 1]]) for y in values)]
+    if all(same):
+        return t, after, f"{lost.size} rows repeat the one before, values and all ({row}): not used."
     rate = even_rate(t)
     if rate is not None:
         again = int(np.count_nonzero(np.diff(t) == 0.0))
@@ -205,7 +211,9 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
         notes += [f"{_BELOW.format(below)}: run {options.run or 1} is read." if below > 1 else None, *notes_of_t]
         mended.append(turned)
         _check_rows(table, "t", t, rows)
-        t, after, lost = _in_order(table, t, rows)
+        t, after, lost = _in_order(
+            table, t, rows, [y for c, (y, _) in read.items() if c != "t"] + list(beside.values())
+        )
         t, rows = t[after], rows[after]
         mended.append(lost)
     keep = slice(None) if steady else _kept(path, t, options)

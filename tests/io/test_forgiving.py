@@ -248,6 +248,15 @@ def recorded(path: Path, t: np.ndarray, stamps: np.ndarray) -> Recording:
     return read_recording(path)
 
 
+@pytest.mark.parametrize("times", [2, 3])
+def test_rows_that_a_logger_wrote_again_count_once(tmp_path: Path, times: int) -> None:
+    again = read_recording(written(tmp_path / "again.csv", "t,x", np.repeat(T, times), np.repeat(X, times)))
+    np.testing.assert_array_equal(again.t, T)
+    np.testing.assert_array_equal(again["x"], X)
+    count = (times - 1) * T.size
+    assert again.mended == (f"{count} rows repeat the one before, values and all (row 2 (line 3)): not used.",)
+
+
 @pytest.mark.parametrize("rate", [60.0, 90.0, 120.0, 400.0])
 def test_stamps_rounded_to_ms_are_those_of_an_even_clock(tmp_path: Path, rate: float) -> None:
     t = np.arange(400) / rate
