@@ -262,7 +262,7 @@ def _refuse_conditions(recordings: tuple[Path, ...], before: tuple[Path, ...], a
         if given and not other:
             wanted = "--after" if name == "--before" else "--before"
             alone = shlex.join(["harness", "diagnose", *map(str, given)])
-            raise InputError(name, f"given without {wanted}", f"try: {alone}")
+            raise InputError(name, f"given without {wanted} FILE", f"try: {alone}")
     if before and recordings:
         accepted = "every recording behind one of the two"
         raise InputError(str(recordings[0]), "neither before nor after", accepted)
