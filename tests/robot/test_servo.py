@@ -30,7 +30,13 @@ class Log(NamedTuple):
 
 
 def logged(
-    seed: int, seconds: float = 24.0, rate: float = 50.0, dead: float = 0.0, haste: float = 0.0, ramp: float = np.inf
+    seed: int,
+    seconds: float = 24.0,
+    rate: float = 50.0,
+    dead: float = 0.0,
+    haste: float = 0.0,
+    ramp: float = np.inf,
+    gravity: float = GRAVITY,
 ) -> Log:
     """Goal and position of a joint whose servo works in steps of 0.5 ms, by explicit Euler; friction stops it.
 
@@ -57,7 +63,7 @@ def logged(
         else:
             wanted = sent
         error = wanted - q if abs(wanted - q) > dead else 0.0
-        torque = STALL * VOLTS * min(max(GAIN * error, -1.0), 1.0) - (BRAKE + 0.04) * v - GRAVITY * np.sin(q)
+        torque = STALL * VOLTS * min(max(GAIN * error, -1.0), 1.0) - (BRAKE + 0.04) * v - gravity * np.sin(q)
         if v == 0.0 and abs(torque) <= F_K:
             continue
         side = np.sign(v) or np.sign(torque)
@@ -115,6 +121,25 @@ def test_goal_and_position_alone_are_understood_and_all_is_a_ratio_to_the_inerti
     whole, numbers = INERTIA + ARMATURE, {name: p.value for name, p in robot.servo.parameters.items()}
     assert numbers["f_k"] == pytest.approx(F_K / whole, rel=0.1)
     assert np.hypot(numbers["sine"] or 0.0, numbers["cosine"] or 0.0) == pytest.approx(GRAVITY / whole, rel=0.1)
+
+
+def test_a_level_joint_s_torques_are_ratios_though_a_model_gives_its_link_s_inertia(tmp_path: Path) -> None:
+    """Nothing tells the rotor, which no model has, from what the link weighs."""
+    one = logged(1, gravity=0.0)
+    table = np.column_stack((one.t, one.goal, one.q))
+    np.savetxt(tmp_path / "log.csv", table, "%.9g", ",", header="t,pan.goal,pan.position", comments="")
+    link = f'<inertial pos="0 0 0" mass="1" diaginertia="{INERTIA} {INERTIA} {INERTIA}"/>'
+    arm = f'<mujoco><worldbody><body><joint name="pan" axis="0 0 1"/>{link}</body></worldbody></mujoco>'
+    (tmp_path / "arm.xml").write_text(arm, encoding="utf-8")
+    result = harness.diagnose_servo(tmp_path / "log.csv", robot=tmp_path / "arm.xml", joint="pan")
+    assert result.robot is not None
+    servo, whole = result.robot.servo, INERTIA + ARMATURE
+    assert servo is not None
+    assert servo.scale == "inertia"
+    assert servo.stiffness.value == pytest.approx(STALL * VOLTS * GAIN / whole, rel=0.02)
+    assert servo.stiffness.unit == "N m/rad per kg m^2"
+    assert servo.parameters["f_k"].value == pytest.approx(F_K / whole, rel=0.05)
+    assert "neither gravity nor a data sheet" in result.statement
 
 
 @pytest.mark.parametrize(("more", "name"), [({"dead": 0.02}, "dead-band"), ({"haste": 40.0}, "goal-speed-limit")])

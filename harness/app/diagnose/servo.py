@@ -110,7 +110,7 @@ def diagnose_servo(
         result = _result(case, servo, words, [one for one, _ in simulated], command)
         result = result.model_copy(update={"files": {k: output.at(FILES[k]) for k in ("result", "report", "log")}})
         fits = servo.sayable, servo.best
-        shown = [(run.t, run.goal, run.q, _shown(fits[0], run), _shown(fits[1], run)) for run in case.runs]
+        shown = [(run.t, run.goal, run.q, _shown(fits[0], run), _shown(fits[1], run)) for run in servo.best.logs.runs]
         engines = [one for _, one in simulated if one is not None]
         curves = {
             log.file: dict(zip(("t", "goal", "x", "x before", "x after"), columns, strict=True))
@@ -233,7 +233,7 @@ def _result(
         Quantity(stall * x, error * volts * x, unit)
         if math.isfinite(error)
         else Quantity(stall * x, None, unit, "given")
-        for x, unit in ((1.0, torque), (stiff, f"{torque}/rad"))
+        for x, unit in ((1.0, torque), (stiff, torque.replace("N m", "N m/rad")))
     )
     names = short_names([one.file for one in case.runs])
     fitted = [
@@ -273,7 +273,7 @@ def _result(
         verdict = "one_of"
     span = [[0.0, float(run.t[-1] - run.t[0])]]
     held = [{"x": _mean_square(one)} if one else {} for one in (found.before, found.after)]
-    inertia = float(np.mean(run.load[:, 0])) if case.arm is not None else 0.0
+    inertia = float(np.mean(run.load[:, 0])) if servo.known.loaded else 0.0
     whole = max(inertia + values["armature"], 1e-9)
     paste = PasteResult(mjcf="", urdf="") if words is None else PasteResult(mjcf=words.mjcf, urdf=words.urdf)
     c = max(values["c"] + values["brake"], 0.0)
@@ -405,4 +405,6 @@ def _statement(own: ServoResult, best: ServoFit, least: float, grades: Sequence[
     text += f" Free runs miss the positions by {after:.3g} mrad in the mean"
     text += f" ({before:.3g} by torque, damping and Coulomb friction alone" if own.terms else " ("
     text += f"{'; ' if own.terms else ''}noise and steps of the sensor: {1e3 * least:.2g} mrad rms)."
+    if own.scale == "inertia":
+        text += " Torques are ratios to all the inertia that turns: neither gravity nor a data sheet gives their scale."
     return text

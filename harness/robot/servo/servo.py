@@ -1,7 +1,7 @@
 """A joint under its servo, from its logs: what is known of it, from where it is fitted, and what comes out."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
@@ -28,8 +28,8 @@ _OFF = 0.02
 class Known:
     """What is known of a joint before it is fitted.
 
-    servo : None where nobody names it. loaded : the model gives inertia and gravity. scale : what torques are in: "N m"
-    by gravity's torque or by the servo's data sheet, else N m for each kg m^2 of all that turns.
+    servo : None where nobody names it. loaded : the model's inertia and gravity are used. scale : what torques are in:
+    "N m" by gravity's torque or by the servo's data sheet, else N m for each kg m^2 of all that turns.
     """
 
     servo: Preset | None
@@ -67,6 +67,9 @@ def identified(
     gravity = max(float(np.max(np.hypot(run.load[:, 1], run.load[:, 2]))) for run in runs) if loaded else 0.0
     inertia = float(np.median(np.concatenate([run.load[:, 0] for run in runs]))) if loaded else 0.0
     weighs = gravity > _PULLED * inertia * max(_FREQUENCIES) if loaded else False
+    if loaded and not weighs and servo is None:
+        # an inertia alone gives no scale: the rotor's, which is as large, is in no model
+        runs, loaded = [replace(run, load=np.zeros_like(run.load)) for run in runs], False
     known: dict[str, float] = {}
     if servo is not None and servo.gain is not None:
         known |= {"gain": servo.gain, "limit": servo.limit}
@@ -78,12 +81,12 @@ def identified(
         # friction under load needs the motor's torque without what its own voltage takes of it
         known |= {"c": 0.0} if servo is None else {"brake": servo.brake}
     ratio = servo is None and not loaded
-    if ratio or (loaded and not weighs and servo is None):
-        known["armature"] = 0.0 if loaded else 1.0
+    if ratio:
+        known["armature"] = 1.0
     scale = "gravity" if weighs else "data sheet" if servo is not None else "inertia"
     torque = servo.stall * servo.volts if servo is not None else max(gravity, inertia * 100.0, 100.0 if ratio else 0.0)
     logs = Logs.of(runs, known, torque)
-    found = search(logs, _starts(logs, servo, inertia, not loaded), progress)
+    found = search(logs, _starts(logs, servo, inertia if loaded else 0.0, not loaded), progress)
     return Servo(Known(servo, loaded, scale), found, found.base)
 
 

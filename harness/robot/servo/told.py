@@ -71,7 +71,8 @@ def confounded(servo: Servo, runs: tuple[Run, ...]) -> list[str]:
         )
     if known.scale == "inertia":
         said.append(
-            "without gravity's torque or a data sheet all torques are ratios to the inertia: --robot or --servo"
+            "without gravity's torque or a data sheet all torques are ratios to the inertia: --servo, or --robot where"
+            " gravity turns the joint"
         )
     elif known.scale == "data sheet":
         said.append("all torques, the inertia too, are as large as the data sheet's torque at rest says")
