@@ -290,7 +290,9 @@ def test_resumption_computes_what_is_not_there_and_refuses_what_is_of_other_opti
 def test_a_full_disk_ends_the_call_and_not_one_file_after_the_other(jobs: int, tmp_path: Path) -> None:
     # what is in work beside it is not waited for
     named = write(tmp_path, c="full", d="long")
-    with pytest.raises(StoreError, match=r"no space left on the device; [23] of 5 recordings are kept, the same comm"):
+    with pytest.raises(
+        StoreError, match=r"no space left on the device; [23] of 5 recordings are kept. Try: --resume --out"
+    ):
         diagnose_all(named, DiagnoseOptions(), tmp_path / "out", jobs, function=stand_in)
     named = write(tmp_path)
     assert len(diagnose_all(named, DiagnoseOptions(), tmp_path / "out", 1, True, function=stand_in).answers) == len(
