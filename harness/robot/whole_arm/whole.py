@@ -37,9 +37,8 @@ from harness.robot.whole_arm.columns import (
 )
 from harness.robot.whole_arm.curve import curves
 from harness.robot.whole_arm.design import Design, Named, Whitened
-from harness.robot.whole_arm.identifiable import identifiable
 from harness.robot.whole_arm.perturb import with_load, without_armature
-from harness.robot.whole_arm.result import Entry, Grade, JointFriction, Left, WholeArm
+from harness.robot.whole_arm.result import Entry, Grade, JointFriction, Left, WholeArm, identifiable
 from harness.robot.whole_arm.rules import (
     EXPLAINED,
     LEAST_SAMPLES,
