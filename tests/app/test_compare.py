@@ -15,7 +15,8 @@ from rerun.chunk import RrdReader
 
 import harness
 from harness.app.compare import again, compare
-from harness.app.report import overlay, rebuild
+from harness.app.report import rebuild
+from harness.app.view import overlay
 from harness.cli.commands.view import command
 from harness.core.errors import InputError
 from harness.core.recording import Recording

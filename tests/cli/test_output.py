@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from rich.table import Table
 
-from harness.app.report import viewer_command
+from harness.app.view import viewer_command
 from harness.cli.output import line_width, say, say_as_it_is, show, with_error, wrapped
 from harness.results.common import P
 

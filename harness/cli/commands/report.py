@@ -21,7 +21,7 @@ def command(place: Path, out: Path | None, to: Output) -> int:
     Example: harness report reports/free-decay-20260101-120000
              harness report trace.rrd --out page.html
     """
-    from harness.app.report import find_trace
+    from harness.app.view import find_trace
 
     find_trace(place)  # before what reads it is loaded
     from harness.app.report import rebuild

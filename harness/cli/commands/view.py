@@ -24,7 +24,7 @@ def command(places: tuple[Path, ...], web: bool, save: Path | None) -> int:
              harness view trace.rrd --web
              harness view shipped tuned --save both.rrd
     """
-    from harness.app.report import overlay, view
+    from harness.app.view import overlay, view
     from harness.core.errors import InputError
 
     if save is None:
