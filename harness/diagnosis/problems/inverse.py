@@ -71,8 +71,20 @@ class InverseDynamics(Forced):
         return Observation({"u": force}, {"u": partials}, seen.x, seen.v, seen.a, mode, Events())
 
     def whitened(self, values: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-        """Over the level of its recording, in ``unit``s: what is left stays coloured."""
-        return {"u": self.measured.even(values["u"]) * self.unit}
+        """Over the level of its recording, in ``unit``s: what is left stays coloured.
+
+        A force acts, or was measured, up to a sample before or after its stamp: what that makes of it is noise of one
+        shape, of any size as long as the level is not known.
+        """
+        seen, unit = self.measured, self.unit
+        even, late = seen.even(values["u"]) * unit, seen.even(seen.late) * unit
+        for one in np.split(np.arange(late.size), self.seams):
+            shape = late[one]
+            size = float(shape @ shape)
+            if size > 0.0:
+                share = 1.0 if self.independent is None else 1.0 - 1.0 / math.sqrt(1.0 + size)
+                even[one] -= np.multiply.outer(shape, share / size * (shape @ even[one]))
+        return {"u": even}
 
     @property
     def unit(self) -> float:

@@ -79,18 +79,14 @@ class Measured:
             for c, y in problem.channels.items()
             if c in ("x", "v")
         }
-        # differences of what passed a filter, against a force that passed the same one
-        if "v" in smooth:
-            v = smooth["v"].value
-            x = smooth["x"].value if "x" in smooth else state_of(t, smooth)[0]
-        else:
-            x = smooth["x"].value
-            v = np.gradient(x, t)
+        # differences of what passed a filter, against a force and a place that passed the same one
+        by = _telling(smooth)
+        half = smooth[by].half
+        x = state_of(t, smooth)[0] if "x" not in smooth else smoothed_alike(t, problem.channels["x"], longest, half)
+        v, v_sd = (smooth["v"].value, smooth["v"].value_sd) if by == "v" else (np.gradient(x, t), smooth["x"].slope_sd)
         a = np.gradient(v, t)
         kept = t.size // BLOCK * BLOCK
-        half = smooth["v" if "v" in smooth else "x"].half
         u = smoothed_alike(t, problem.drive.felt(t), longest, half)
-        v_sd = smooth["v"].value_sd if "v" in smooth else smooth["x"].slope_sd
         at_rest = np.abs(v) <= _AT_REST * v_sd
         stands = np.all((at_rest & inner(t, longest, half))[:kept].reshape(-1, BLOCK), axis=1)
         if problem.guarded:
@@ -184,6 +180,11 @@ class Measured:
             [given_force(here, o.t, o.x, o.v, o.a, o.covariates) for here, o in zip(models, self.each, strict=True)]
         )
 
+    @property
+    def late(self) -> FloatArray:
+        """What a force that acts a sample later would be less, N (m,), mean over the blocks that count."""
+        return self.blocks(np.concatenate([np.gradient(one.u, one.t) * _step(one.t) for one in self.each]))
+
     def held(self, model: Model) -> FloatArray:
         """Force (b,), N, that holds it against a model without friction in each block in which it stands."""
         if self.stands is None or self.laid:
@@ -195,6 +196,17 @@ class Measured:
     def part(self, keep: BoolArray) -> "Measured":
         """With only these blocks (n / block,) counting."""
         return replace(self, moving=self.moving & keep)
+
+
+def _step(t: FloatArray) -> float:
+    return float(np.median(np.diff(t)))
+
+
+def _telling(smooth: Mapping[str, Smooth]) -> str:
+    """The channel that tells the speed with the smaller error: a fine encoder tells more than a noisy tachometer."""
+    if len(smooth) == 1:
+        return next(iter(smooth))
+    return "v" if float(np.median(smooth["v"].value_sd)) <= float(np.median(smooth["x"].slope_sd)) else "x"
 
 
 def _least(problem: Problem, channel: str) -> float:
