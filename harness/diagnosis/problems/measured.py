@@ -93,7 +93,7 @@ class Measured:
             # within the reach of a cubic and a difference friction turns round; where a servo sticks it has any value
             at_rest |= np.abs(v) <= slow * math.sqrt(float(np.mean(v**2)))
             at_rest[1:] |= np.sign(v[1:]) != np.sign(v[:-1])
-            at_rest = widened(at_rest, int(np.max(half)) + 1)
+            at_rest = widened(at_rest, half + 2)
         # a value there has its own reach, and two differences
         at_rest |= widened(_stands(at_rest), half + 2)
         slides = ~at_rest[:kept].reshape(-1, BLOCK)
