@@ -68,6 +68,8 @@ class _Moved:
         course = Course.of(problem.t, problem.channels, problem.noise)
         whole = replace(problem, starts=course.anew(math.inf))
         noise = channel_noise(problem.t, problem.drive.at(problem.t), rests=True)
+        if problem.covariance is not None:
+            noise = Noise(problem.covariance.force, found=True)
         if model.restoring is not Restoring.NONE:
             return cls(problem, observe(model, whole, (), scales, COARSE).y, problem.drive, noise)
         x, v, _ = course.state
@@ -86,6 +88,9 @@ class _Moved:
         """The recording with noise anew."""
         problem, drive = self.problem, self.drive
         channels = {c: problem.noise[c].over(self.shown[c], random) for c in problem.channels}
+        by, known = problem.measured.by, problem.covariance
+        if known is not None and not problem.noise[by].found:
+            channels[by] = channels[by] + known.motion * random.standard_normal(problem.t.size)
         force = drive.u
         if self.noise.found:
             force = force + np.interp(drive.t, problem.t, self.noise.drawn(problem.t.size, random))
@@ -93,7 +98,11 @@ class _Moved:
 
     def measured(self, random: np.random.Generator) -> Measured:
         """The same, smoothed as the recording was."""
-        return Measured.of(self.drawn(random), widest=self.problem.measured.widest)
+        found, known = Measured.of(self.drawn(random), other=self.problem.measured), self.problem.covariance
+        if known is None:
+            return found
+        beside = known.left * random.standard_normal(found.moving.size)
+        return replace(found, u=found.u + np.repeat(beside, found.u.size // beside.size))
 
 
 _STEP = 0.01

@@ -15,10 +15,9 @@ from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
 from harness.diagnosis.covariates.following import enter
 from harness.diagnosis.covariates.values import Acting, values_in
-from harness.diagnosis.fit.model_fit import HASTY, fit
+from harness.diagnosis.fit.model_fit import HASTY
 from harness.diagnosis.fit.standard_errors import base_parameters
 from harness.diagnosis.inverse_dynamics.search import force_baseline, with_one_more
-from harness.diagnosis.parameters import free_of
 from harness.diagnosis.prepare.driven import forced_problem
 from harness.diagnosis.prepare.free_decay import in_common
 from harness.diagnosis.prepare.intersample import ACTS_HELD, held
@@ -27,26 +26,30 @@ from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.problems.measured import BLOCK
 from harness.diagnosis.request import Asked, AskedCovariate
 from harness.diagnosis.rules import FORCE_HELD, MASS_UNSEEN
-from harness.kernels.solve import Drive
 from harness.model.covariate import Covariate
 from harness.model.model import Restoring
 
+_HELD, _NEARLY = 0.5, 0.1
+"""Of a sampling interval: by how much a force that is held acts late, and how far from that it still counts as held."""
+
 
 def as_it_acts(problem: InverseDynamics, u: FloatArray) -> tuple[InverseDynamics, tuple[str, ...]]:
-    """The problem with its force u (n,) held, and a sentence that says so, where the base model leaves less of it so.
+    """The problem with its force u (n,) acting when the base model says that it does, and a sentence that says so.
 
-    Raises SimulationError where little moves.
+    One that is held acts half an interval late on average, as a whole; one that was measured before its stamp, or after
+    it, acts early or late by any part of one. Raises SimulationError where little moves.
     """
-    stepped = held(problem.t, u)
-    if _left(problem, stepped) < FORCE_HELD.value * _left(problem, problem.drive):
-        return replace(problem, drive=stepped), (ACTS_HELD,)
-    return problem, ()
-
-
-def _left(problem: InverseDynamics, drive: Drive) -> float:
-    """Sum of squares of the force that the base model leaves, N^2."""
-    acting = replace(problem, drive=drive)
-    return fit(acting.first, acting, free_of(acting.first, acting.base_names)).chi2
+    step = float(np.median(np.diff(problem.t)))
+    base, late = force_baseline(problem)[0], problem.measured.even(problem.measured.late)
+    left = problem.measured.even(problem.rows["u"] - base.shown.y["u"])
+    size = float(late @ late)
+    after = min(max(float(late @ left) / size, -1.0), 1.0) if size > 0.0 else 0.0
+    if left @ left - after**2 * size >= FORCE_HELD.value * (left @ left):
+        return problem, ()
+    if abs(after - _HELD) < _NEARLY:
+        return replace(problem, drive=held(problem.t, u)), (ACTS_HELD,)
+    drive = replace(problem.drive, t=problem.drive.t + after * step)
+    return replace(problem, drive=drive), (f"the force acts {1e3 * after * step:.2g} ms after its stamps",)
 
 
 def with_covariates(

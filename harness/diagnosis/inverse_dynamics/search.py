@@ -29,7 +29,8 @@ from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.parameters import base_of, free_of
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.driven import Driven
-from harness.diagnosis.problems.inverse import InverseDynamics
+from harness.diagnosis.problems.force_covariance import ForceCovariance
+from harness.diagnosis.problems.inverse import InverseDynamics, Q
 from harness.diagnosis.problems.simulated import COARSE, observe
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import AMONG_NAMES, DECISIVE, MOST_FORCE_TERMS, MOVES, PREDICTS_WORSE, SHOWN_BY_FORCE
@@ -55,6 +56,19 @@ def force_baseline(problem: InverseDynamics) -> tuple[Fit, Scales]:
     """
     scales = driven_scales(problem, problem.first)
     return fit(problem.first, problem, free_of(problem.first, problem.base_names), scales), scales
+
+
+def under_noise(problem: Q) -> Q:
+    """The problem with the noise of its sensors, as what the law leaves that says most of the force is likeliest with.
+
+    What a law that is missing leaves is no noise. Raises SimulationError when the base model cannot be fitted.
+    """
+    if problem.alone:
+        return problem
+    base, scales = force_baseline(problem)
+    nearest = min((base, *with_one_more(scales, base, problem, HASTY)), key=lambda found: found.chi2)
+    noise = ForceCovariance.likeliest(problem.measured, base.model, nearest.residual)
+    return replace(problem, covariance=noise)
 
 
 def moving(found: Fit, problem: InverseDynamics, scales: Scales) -> Fit:

@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.diagnosis.explain.force_map import ForceMap, measured_map
 from harness.diagnosis.fit.model_fit import Fit
-from harness.diagnosis.inverse_dynamics.search import force_baseline, left_said, moving, search_driven
+from harness.diagnosis.inverse_dynamics.search import force_baseline, left_said, moving, search_driven, under_noise
 from harness.diagnosis.inverse_dynamics.validate import Judge, holdout_windows
 from harness.diagnosis.kinds.kind import Kind
 from harness.diagnosis.motion import Motion
@@ -38,6 +38,7 @@ class FittedForces(Kind[InverseDynamics]):
 
     def fit_base(self, problem: InverseDynamics) -> Based[InverseDynamics]:
         """By the force."""
+        problem = under_noise(problem)
         base, scales = force_baseline(problem)
         level = problem.levelled(base.residual, base.memory.independent)
         return Based(problem, level, moving(under(base, level), level, scales), scales)

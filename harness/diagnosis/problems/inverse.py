@@ -18,6 +18,7 @@ from harness.core.arrays import BoolArray, FloatArray
 from harness.core.events import Events
 from harness.diagnosis.problem import Observation
 from harness.diagnosis.problems.driven import Driven, Forced
+from harness.diagnosis.problems.force_covariance import ForceCovariance, white
 from harness.diagnosis.problems.measured import Measured
 from harness.diagnosis.rules import STRUCTURE
 from harness.diagnosis.starts import Windows
@@ -35,11 +36,14 @@ class InverseDynamics(Forced):
 
     fixed : motion and force, where they are not as the channels and the drive have them; see ``measured``.
     independent : values that the force left over counts as; None as long as its level, the noise of "u", is not known.
+    covariance : of its values, where the noise of its sensors is known to take part.
     """
 
     starts: Windows = field()
     fixed: Measured | None = None
     independent: float | None = None
+    covariance: ForceCovariance | None = None
+    _factor: FloatArray | None = field(init=False, default=None, repr=False, compare=False)
     _measured: Measured | None = field(init=False, default=None, repr=False, compare=False)
 
     @classmethod
@@ -77,7 +81,7 @@ class InverseDynamics(Forced):
         shape, of any size as long as the level is not known.
         """
         seen, unit = self.measured, self.unit
-        even, late = seen.even(values["u"]) * unit, seen.even(seen.late) * unit
+        even, late = self._white(seen.even(values["u"]) * unit), self._white(seen.even(seen.late) * unit)
         for one in np.split(np.arange(late.size), self.seams):
             shape = late[one]
             size = float(shape @ shape)
@@ -85,6 +89,14 @@ class InverseDynamics(Forced):
                 share = 1.0 if self.independent is None else 1.0 - 1.0 / math.sqrt(1.0 + size)
                 even[one] -= np.multiply.outer(shape, share / size * (shape @ even[one]))
         return {"u": even}
+
+    def _white(self, values: FloatArray) -> FloatArray:
+        if self.covariance is None:
+            return values
+        if self._factor is None:
+            object.__setattr__(self, "_factor", self.covariance.factor(self.measured))
+        assert self._factor is not None
+        return white(self._factor, values)
 
     @property
     def unit(self) -> float:

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from types import MappingProxyType
 
 import numpy as np
 
@@ -46,7 +45,7 @@ class Measured:
 
     laid : of several recordings one behind the other, each with its own clock. level : (n / block,), by which what is
     left of each is weighed. stands : (n / block,), blocks in which it is at rest throughout. widest : half widths over
-    which most of each channel was smoothed.
+    which most of each channel was smoothed. half : (n,) those of the motion. by : the channel that tells its speed.
     """
 
     t: FloatArray
@@ -60,33 +59,39 @@ class Measured:
     level: FloatArray | None = None
     stands: BoolArray | None = None
     widest: Mapping[str, int] = field(default_factory=dict)
+    half: IntArray = field(default_factory=lambda: np.empty(0, np.int64))
+    by: str = "x"
 
     @classmethod
-    def of(
-        cls, problem: Forced, slow: float = GUARD_SPEED.value, widest: Mapping[str, int] = MappingProxyType({})
-    ) -> "Measured":
+    def of(cls, problem: Forced, slow: float = GUARD_SPEED.value, other: "Measured | None" = None) -> "Measured":
         """From position or speed; a force that is held counts as it acts. Raises SimulationError when little moves.
 
-        slow : share of the rms speed, beside which nothing counts where the problem is guarded. widest : half widths of
-        a recording that is to be smoothed alike.
+        slow : share of the rms speed, beside which nothing counts where the problem is guarded. other : a recording as
+        which it is to be smoothed.
         """
         if problem.alone:
             return cls.of_several([cls.of(one, slow) for one in problem.alone], problem)
         t = problem.t
         longest = longest_interval(t)
+        widest = {} if other is None else other.widest
         smooth: dict[str, Smooth] = {
             c: smoothed(t, y, longest, _least(problem, c), _ALIKE, everywhere=True, widest=widest.get(c))
             for c, y in problem.channels.items()
             if c in ("x", "v")
         }
-        # differences of what passed a filter, against a force and a place that passed the same one
-        by = _telling(smooth)
+        # differences pass the filter that the force and the place pass
+        by = _telling(smooth) if other is None else other.by
         half = smooth[by].half
-        x = state_of(t, smooth)[0] if "x" not in smooth else smoothed_alike(t, problem.channels["x"], longest, half)
-        v, v_sd = (smooth["v"].value, smooth["v"].value_sd) if by == "v" else (np.gradient(x, t), smooth["x"].slope_sd)
-        a = np.gradient(v, t)
+
+        def alike(y: FloatArray) -> FloatArray:
+            return smoothed_alike(t, y, longest, half)
+
+        x = alike(problem.channels["x"]) if "x" in smooth else state_of(t, smooth)[0]
+        slope = problem.channels["v"] if by == "v" else np.gradient(problem.channels["x"], t)
+        v, a = alike(slope), alike(np.gradient(slope, t))
+        v_sd = smooth["v"].value_sd if by == "v" else smooth["x"].slope_sd
         kept = t.size // BLOCK * BLOCK
-        u = smoothed_alike(t, problem.drive.felt(t), longest, half)
+        u = alike(problem.drive.felt(t))
         at_rest = np.abs(v) <= _AT_REST * v_sd
         stands = np.all((at_rest & inner(t, longest, half))[:kept].reshape(-1, BLOCK), axis=1)
         if problem.guarded:
@@ -98,13 +103,17 @@ class Measured:
         at_rest |= widened(_stands(at_rest), half + 2)
         slides = ~at_rest[:kept].reshape(-1, BLOCK)
         whole = np.max(np.diff(t[:kept].reshape(-1, BLOCK), axis=1), axis=1) <= longest
-        central = inner(t, longest, half)[:kept].reshape(-1, BLOCK)
+        # two differences at the ends of a stretch are one-sided
+        central = inner(t, longest, half + 2)[:kept].reshape(-1, BLOCK)
         moving = whole & np.all(slides & central, axis=1)
         if np.count_nonzero(moving) < BLOCK:
             raise SimulationError("the slider hardly moves")
-        given = {name: smoothed_alike(t, y, longest, half)[:kept] for name, y in problem.covariates.items()}
+        given = {name: alike(y)[:kept] for name, y in problem.covariates.items()}
         chosen = {c: one.widest for c, one in smooth.items()}
-        return cls(t[:kept], x[:kept], v[:kept], a[:kept], u[:kept], moving, given, stands=stands, widest=chosen)
+        return cls(
+            t[:kept], x[:kept], v[:kept], a[:kept], u[:kept], moving, given, stands=stands, widest=chosen,
+            half=half[:kept], by=by,
+        )  # fmt: skip
 
     @classmethod
     def of_several(cls, each: Sequence["Measured"], problem: Forced) -> "Measured":

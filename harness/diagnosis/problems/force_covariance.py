@@ -1,0 +1,136 @@
+"""What the noise of position, speed and force leaves of a force that is asked of a measured motion.
+
+A second difference of a position's noise is blue: of neighbouring means one is too large where the next is too small,
+so that long stretches tell far more of a force than their means one by one. Near a reversal, where a motion is smoothed
+over few samples, a mean is many times as uncertain as elsewhere. Beside both stands what a model leaves, of which
+nothing is known but how large it is.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import LinAlgError, cholesky_banded, solve_banded
+from scipy.optimize import minimize
+from scipy.sparse import csr_array, diags_array, eye_array
+
+from harness.core.arrays import BoolArray, FloatArray, IntArray
+from harness.diagnosis.problems.measured import Measured
+from harness.model.model import Model
+
+_LEAST, _MOST = np.array([-2.0, -2.0, -1.0]), 0.5
+"""Powers of ten of a residual's rms between which its parts lie, by the motion, by the force and what is left: smoothed
+alike as they are, motion and force never agree better than to a tenth of what they differ by."""
+_STARTS = ((-0.3, -1.5, -0.8), (-1.5, -0.3, -0.8), (-0.5, -0.5, -0.3))
+_ENDS = {"xatol": 0.02, "fatol": 0.1, "maxfev": 120}
+"""Where the likeliest are looked for from, and where that ends: a hundredth moves nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class ForceCovariance:
+    """What the noise of a force that is asked of a motion consists of.
+
+    m, c, k : of the base model that asks for it. motion : noise of the position, m, or of the speed, m/s, that is
+    differentiated. force : of the recorded force, N. left : N, of means over blocks, what remains, the same everywhere.
+    usual : N, deviation of a mean, of which others are multiples.
+    """
+
+    m: float
+    c: float
+    k: float
+    motion: float
+    force: float
+    left: float
+    usual: float
+
+    @classmethod
+    def likeliest(cls, seen: Measured, base: Model, residual: FloatArray) -> "ForceCovariance":
+        """The noise that a residual (m,), N, of a base model is likeliest with.
+
+        A force that scatters may be a controller's own, which the slider has felt, and a position finer than any noise
+        that is looked for: what neighbouring means have in common tells either.
+        """
+        found = cls(base.m, base.c, base.k, 1.0, 1.0, 0.0, 1.0)
+        of_motion, of_force = found._parts(seen)
+        size = math.sqrt(float(np.mean(residual**2)))
+        units = size / np.sqrt([float(np.median(one.diagonal())) for one in (of_motion, of_force)])
+
+        def bands(powers: FloatArray) -> FloatArray:
+            motion, force, left = 10.0 ** np.clip(powers, _LEAST, _MOST)
+            return _bands((motion * units[0]) ** 2 * of_motion + (force * units[1]) ** 2 * of_force, left * size)
+
+        def unlikely(powers: FloatArray) -> float:
+            try:
+                factor = cholesky_banded(bands(powers), lower=True)
+            except LinAlgError:
+                return math.inf
+            return 2.0 * float(np.sum(np.log(factor[0]))) + float(np.sum(white(factor, residual) ** 2))
+
+        fits = (minimize(unlikely, one, method="Nelder-Mead", options=_ENDS) for one in _STARTS)
+        powers = min(fits, key=lambda fit: float(fit.fun)).x
+        motion, force, left = 10.0 ** np.clip(powers, _LEAST, _MOST)
+        usual = math.sqrt(float(np.median(bands(powers)[0])))
+        return replace(
+            found, motion=float(motion * units[0]), force=float(force * units[1]), left=float(left) * size, usual=usual
+        )
+
+    def factor(self, seen: Measured) -> FloatArray:
+        """Lower Cholesky factor over the blocks that count, by diagonals, in units of the usual deviation."""
+        motion, force = self._parts(seen)
+        return np.asarray(cholesky_banded(_bands(motion + force, self.left) / self.usual**2, lower=True))
+
+    def _parts(self, seen: Measured) -> tuple[csr_array, csr_array]:
+        """By the noise of the motion and of the recorded force, over the blocks that count, N^2."""
+        smooth, slope, same = _smoothing(seen.half), _slope(seen.t), eye_array(seen.t.size)
+        mean = _means(seen.t.size, seen.moving)
+        if seen.by == "v":
+            asked = mean @ smooth @ (self.m * slope + self.c * same)
+        else:
+            asked = mean @ smooth @ (self.m * (slope @ slope) + self.c * slope + self.k * same)
+        felt = mean @ smooth
+        return csr_array(self.motion**2 * (asked @ asked.T)), csr_array(self.force**2 * (felt @ felt.T))
+
+
+def white(factor: FloatArray, values: FloatArray) -> FloatArray:
+    """Values (m,) or (m, q) through the inverse of a factor."""
+    return np.asarray(solve_banded((factor.shape[0] - 1, 0), factor, values))
+
+
+def _bands(covariance: csr_array, left: float) -> FloatArray:
+    """Diagonals (w, m) from the main one down, with a further variance on it."""
+    table = covariance.tocoo()
+    below = table.row >= table.col
+    row, column, value = table.row[below], table.col[below], table.data[below]
+    wide = int(np.max(row - column, initial=0))
+    bands = np.zeros((wide + 1, covariance.shape[0]))
+    np.add.at(bands, (row - column, column), value)
+    bands[0] += left**2
+    return bands
+
+
+def _smoothing(half: IntArray) -> csr_array:
+    """Local cubics over so many even samples to either side (Savitzky and Golay 1964), (n, n)."""
+    n, rows, columns, weights = half.size, list[IntArray](), list[IntArray](), list[FloatArray]()
+    for h in np.unique(half):
+        at, j = np.flatnonzero(half == h), np.arange(-h, h + 1)
+        of_cubic = (
+            3.0 * (3.0 * h * (h + 1.0) - 1.0 - 5.0 * j**2) / ((2.0 * h - 1.0) * (2.0 * h + 1.0) * (2.0 * h + 3.0))
+        )
+        rows.append(np.repeat(at, j.size))
+        columns.append((at[:, None] + j).ravel())
+        weights.append(np.tile(of_cubic, at.size))
+    row, column, weight = (np.concatenate(part) for part in (rows, columns, weights))
+    inside = (column >= 0) & (column < n)
+    return csr_array((weight[inside], (row[inside], column[inside])), shape=(n, n))
+
+
+def _slope(t: FloatArray) -> csr_array:
+    """Central differences, (n, n)."""
+    step = 1.0 / np.gradient(t) / 2.0
+    return csr_array(diags_array([-step[1:], step[:-1]], offsets=[-1, 1]))
+
+
+def _means(n: int, counts: BoolArray) -> csr_array:
+    """Over those of the blocks (b,) of n samples that count, (m, n)."""
+    at, block = np.arange(n), n // counts.size
+    return csr_array((np.full(n, 1.0 / block), (at // block, at)), shape=(counts.size, n))[np.flatnonzero(counts)]
