@@ -37,15 +37,18 @@ _ON_THE_WAY = 99.0
 """% of the motion (NRMSE)."""
 
 
-def draws(current: Fit, problem: Q, scales: Scales, count: int) -> Iterator[tuple[Fit, Q]]:
-    """A fitted model as the truth, recorded and fitted again, so many times. Raises SimulationError."""
+def draws(current: Fit, problem: Q, scales: Scales, count: int, sensors_alone: bool = False) -> Iterator[tuple[Fit, Q]]:
+    """A fitted model as the truth, recorded and fitted again, so many times. Raises SimulationError.
+
+    sensors_alone : without what remains beside the noise of the sensors.
+    """
     parts = problem.alone or (problem,)
     each = [_Moved.by(current.model.of_recording(r), one, scales) for r, one in enumerate(parts)]
     # of the same way the same blocks
     same = problem.measured.moving if problem.restoring is Restoring.NONE else None
     random = np.random.default_rng(0)
     for _ in range(count):
-        drawn = Measured.of_several([one.measured(random) for one in each], problem)
+        drawn = Measured.of_several([one.measured(random, sensors_alone) for one in each], problem)
         if same is not None:
             drawn = drawn.part(same)
         again = replace(problem, fixed=drawn)
@@ -96,10 +99,10 @@ class _Moved:
             force = force + np.interp(drive.t, problem.t, self.noise.drawn(problem.t.size, random))
         return replace(problem, channels=channels, drive=replace(drive, u=force))
 
-    def measured(self, random: np.random.Generator) -> Measured:
+    def measured(self, random: np.random.Generator, sensors_alone: bool) -> Measured:
         """The same, smoothed as the recording was."""
         found, known = Measured.of(self.drawn(random), other=self.problem.measured), self.problem.covariance
-        if known is None:
+        if known is None or sensors_alone:
             return found
         beside = known.left * random.standard_normal(found.moving.size)
         return replace(found, u=found.u + np.repeat(beside, found.u.size // beside.size))
@@ -174,13 +177,14 @@ def left_over(found: Fit, problem: InverseDynamics, scales: Scales) -> LeftOver:
     """
     try:
         simulated = [_by_length(again.residual) for again, _ in draws(found, problem, scales, NULL_DRAWS.count)]
+        alone = [_by_length(again.residual)[0] for again, _ in draws(found, problem, scales, 1, sensors_alone=True)]
     except SimulationError:
         return LeftOver(np.inf, None)
     seen = _by_length(found.residual)
     common = min(seen.size, *(s.size for s in simulated))
     most = np.max([s[:common] for s in simulated], axis=0)
     ratio = float(np.sqrt(np.max(seen[:common] / np.maximum(most, 1e-300))))
-    return LeftOver(ratio, float(np.mean([s[0] for s in simulated])))
+    return LeftOver(ratio, float(np.mean(alone)))
 
 
 def _by_length(residual: FloatArray) -> FloatArray:

@@ -29,27 +29,33 @@ from harness.diagnosis.rules import FORCE_HELD, MASS_UNSEEN
 from harness.model.covariate import Covariate
 from harness.model.model import Restoring
 
-_HELD, _NEARLY = 0.5, 0.1
-"""Of a sampling interval: by how much a force that is held acts late, and how far from that it still counts as held."""
-
 
 def as_it_acts(problem: InverseDynamics, u: FloatArray) -> tuple[InverseDynamics, tuple[str, ...]]:
-    """The problem with its force u (n,) acting when the base model says that it does, and a sentence that says so.
+    """The problem with its force u (n,) acting when the base model says that it does, and sentences that say so.
 
     One that is held acts half an interval late on average, as a whole; one that was measured before its stamp, or after
     it, acts early or late by any part of one. Raises SimulationError where little moves.
     """
-    step = float(np.median(np.diff(problem.t)))
-    base, late = force_baseline(problem)[0], problem.measured.even(problem.measured.late)
-    left = problem.measured.even(problem.rows["u"] - base.shown.y["u"])
+    stepped = replace(problem, drive=held(problem.t, u))
+    (left, after, without), of_held = _left(problem), _left(stepped)
+    said: tuple[str, ...] = ()
+    if of_held[0] < FORCE_HELD.value * left:
+        problem, (left, after, without), said = stepped, of_held, (ACTS_HELD,)
+    if without < FORCE_HELD.value * left:
+        late = after * float(np.median(np.diff(problem.t)))
+        problem = replace(problem, drive=replace(problem.drive, t=problem.drive.t + late))
+        said = (*said, f"the force acts {1e3 * late:.2g} ms after its stamps")
+    return problem, said
+
+
+def _left(problem: InverseDynamics) -> tuple[float, float, float]:
+    """Squares of the force that the base model leaves, N^2; by how many samples it acts later, one at most, and the
+    squares that are left then."""
+    seen, base = problem.measured, force_baseline(problem)[0]
+    late, left = seen.even(seen.late), seen.even(problem.rows["u"] - base.shown.y["u"])
     size = float(late @ late)
     after = min(max(float(late @ left) / size, -1.0), 1.0) if size > 0.0 else 0.0
-    if left @ left - after**2 * size >= FORCE_HELD.value * (left @ left):
-        return problem, ()
-    if abs(after - _HELD) < _NEARLY:
-        return replace(problem, drive=held(problem.t, u)), (ACTS_HELD,)
-    drive = replace(problem.drive, t=problem.drive.t + after * step)
-    return replace(problem, drive=drive), (f"the force acts {1e3 * after * step:.2g} ms after its stamps",)
+    return float(left @ left), after, float(np.sum((left - after * late) ** 2))
 
 
 def with_covariates(

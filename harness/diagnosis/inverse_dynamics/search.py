@@ -36,6 +36,7 @@ from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import AMONG_NAMES, DECISIVE, MOST_FORCE_TERMS, MOVES, PREDICTS_WORSE, SHOWN_BY_FORCE
 from harness.diagnosis.search.search import Search, less_each, under
 from harness.diagnosis.smoothed_state.state import Course
+from harness.estimate.noise import channel_noise
 from harness.fit.series import ENOUGH
 from harness.kernels.solve import Drive, Scales
 from harness.model.model import Model, ModelTerm, Restoring
@@ -67,7 +68,9 @@ def under_noise(problem: Q) -> Q:
         return problem
     base, scales = force_baseline(problem)
     nearest = min((base, *with_one_more(scales, base, problem, HASTY)), key=lambda found: found.chi2)
-    noise = ForceCovariance.likeliest(problem.measured, base.model, nearest.residual)
+    scatter = channel_noise(problem.t, problem.drive.at(problem.t), rests=True)
+    own = scatter.sigma if scatter.found else 0.0
+    noise = ForceCovariance.likeliest(problem.measured, base.model, nearest.residual, own)
     return replace(problem, covariance=noise)
 
 

@@ -44,8 +44,8 @@ class ForceCovariance:
     usual: float
 
     @classmethod
-    def likeliest(cls, seen: Measured, base: Model, residual: FloatArray) -> "ForceCovariance":
-        """The noise that a residual (m,), N, of a base model is likeliest with.
+    def likeliest(cls, seen: Measured, base: Model, residual: FloatArray, scatter: float) -> "ForceCovariance":
+        """The noise that a residual (m,), N, of a base model is likeliest with; scatter : N, of the recorded force.
 
         A force that scatters may be a controller's own, which the slider has felt, and a position finer than any noise
         that is looked for: what neighbouring means have in common tells either.
@@ -55,9 +55,13 @@ class ForceCovariance:
         size = math.sqrt(float(np.mean(residual**2)))
         units = size / np.sqrt([float(np.median(one.diagonal())) for one in (of_motion, of_force)])
 
+        def sizes(powers: FloatArray) -> tuple[float, float, float]:
+            motion, force, left = (10.0 ** np.clip(powers, _LEAST, _MOST) * [*units, size]).tolist()
+            return motion, min(force, scatter), left
+
         def bands(powers: FloatArray) -> FloatArray:
-            motion, force, left = 10.0 ** np.clip(powers, _LEAST, _MOST)
-            return _bands((motion * units[0]) ** 2 * of_motion + (force * units[1]) ** 2 * of_force, left * size)
+            motion, force, left = sizes(powers)
+            return _bands(motion**2 * of_motion + force**2 * of_force, left)
 
         def unlikely(powers: FloatArray) -> float:
             try:
@@ -68,11 +72,9 @@ class ForceCovariance:
 
         fits = (minimize(unlikely, one, method="Nelder-Mead", options=_ENDS) for one in _STARTS)
         powers = min(fits, key=lambda fit: float(fit.fun)).x
-        motion, force, left = 10.0 ** np.clip(powers, _LEAST, _MOST)
+        motion, force, left = sizes(powers)
         usual = math.sqrt(float(np.median(bands(powers)[0])))
-        return replace(
-            found, motion=float(motion * units[0]), force=float(force * units[1]), left=float(left) * size, usual=usual
-        )
+        return replace(found, motion=motion, force=force, left=left, usual=usual)
 
     def factor(self, seen: Measured) -> FloatArray:
         """Lower Cholesky factor over the blocks that count, by diagonals, in units of the usual deviation."""

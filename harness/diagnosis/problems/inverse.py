@@ -23,6 +23,7 @@ from harness.diagnosis.problems.measured import Measured
 from harness.diagnosis.rules import STRUCTURE
 from harness.diagnosis.starts import Windows
 from harness.estimate.noise import Noise
+from harness.fit.series import memory
 from harness.kernels.solve import By, Effort, Scales
 from harness.model.model import Model
 
@@ -44,6 +45,7 @@ class InverseDynamics(Forced):
     independent: float | None = None
     covariance: ForceCovariance | None = None
     _factor: FloatArray | None = field(init=False, default=None, repr=False, compare=False)
+    _rough: float | None = field(init=False, default=None, repr=False, compare=False)
     _measured: Measured | None = field(init=False, default=None, repr=False, compare=False)
 
     @classmethod
@@ -78,16 +80,17 @@ class InverseDynamics(Forced):
         """Over the level of its recording, in ``unit``s: what is left stays coloured.
 
         A force acts, or was measured, up to a sample before or after its stamp: what that makes of it is noise of one
-        shape, of any size as long as the level is not known.
+        shape.
         """
-        seen, unit = self.measured, self.unit
-        even, late = self._white(seen.even(values["u"]) * unit), self._white(seen.even(seen.late) * unit)
+        seen = self.measured
+        even, late = (self._white(seen.even(y)) for y in (values["u"], seen.late))
         for one in np.split(np.arange(late.size), self.seams):
             shape = late[one]
             size = float(shape @ shape)
             if size > 0.0:
-                share = 1.0 if self.independent is None else 1.0 - 1.0 / math.sqrt(1.0 + size)
+                share = 1.0 - 1.0 / math.sqrt(1.0 + size * self.precision**2)
                 even[one] -= np.multiply.outer(shape, share / size * (shape @ even[one]))
+        even *= self.unit
         return {"u": even}
 
     def _white(self, values: FloatArray) -> FloatArray:
@@ -97,6 +100,20 @@ class InverseDynamics(Forced):
             object.__setattr__(self, "_factor", self.covariance.factor(self.measured))
         assert self._factor is not None
         return white(self._factor, values)
+
+    @property
+    def precision(self) -> float:
+        """Over the deviation, N, of an independent value; as long as the level is not known, of what the first model
+        leaves."""
+        if self.independent is not None:
+            return self.unit
+        if self._rough is None:
+            seen = self.measured
+            left = self._white(seen.even(self.rows["u"] - seen.asked(self.first)[0]))
+            squares = max(float(left @ left), 1e-300)
+            object.__setattr__(self, "_rough", math.sqrt(memory(left, begins=self.seams).independent / squares))
+        assert self._rough is not None
+        return self._rough
 
     @property
     def unit(self) -> float:

@@ -132,6 +132,7 @@ class Measured:
             {name: np.concatenate([one.covariates[name] for one in each]) for name in each[0].covariates},
             laid=laid,
             level=np.repeat(problem.levels, [one.moving.size for one in each]),
+            half=np.concatenate([one.half for one in each]),
         )
 
     @property
@@ -144,7 +145,7 @@ class Measured:
         blocks = slice(at.start // BLOCK, at.stop // BLOCK)
         t, x, v, a, u = (y[at] for y in (self.t, self.x, self.v, self.a, self.u))
         given = {name: values[at] for name, values in self.covariates.items()}
-        return Measured(t - own.clock, x, v, a, u, self.moving[blocks], given)
+        return Measured(t - own.clock, x, v, a, u, self.moving[blocks], given, half=self.half[at])
 
     @property
     def begins(self) -> tuple[int, ...]:
@@ -191,8 +192,16 @@ class Measured:
 
     @property
     def late(self) -> FloatArray:
-        """What a force that acts a sample later would be less, N (m,), mean over the blocks that count."""
-        return self.blocks(np.concatenate([np.gradient(one.u, one.t) * _step(one.t) for one in self.each]))
+        """What a force that acts a sample later would be less, N (m,), mean over the blocks that count.
+
+        Beside a reversal, where smoothing rounds off a jump of the force, it says nothing of that.
+        """
+        return self.blocks(np.concatenate([one._less_later() for one in self.each]))
+
+    def _less_later(self) -> FloatArray:
+        turns = np.concatenate(([False], np.sign(self.v[1:]) != np.sign(self.v[:-1])))
+        smooth = ~widened(turns, self.half + 2)
+        return np.asarray(np.where(smooth, np.gradient(self.u, self.t) * float(np.median(np.diff(self.t))), 0.0))
 
     def held(self, model: Model) -> FloatArray:
         """Force (b,), N, that holds it against a model without friction in each block in which it stands."""
@@ -205,10 +214,6 @@ class Measured:
     def part(self, keep: BoolArray) -> "Measured":
         """With only these blocks (n / block,) counting."""
         return replace(self, moving=self.moving & keep)
-
-
-def _step(t: FloatArray) -> float:
-    return float(np.median(np.diff(t)))
 
 
 def _telling(smooth: Mapping[str, Smooth]) -> str:
