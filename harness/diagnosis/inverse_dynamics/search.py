@@ -46,6 +46,8 @@ _PUSH = next(term for term in NAMED if term.push is not None and len(term.parame
 """The term that does nothing but push."""
 _LOOKED_AT = 5
 """Names that are extended by a further one."""
+_BY_CHANCE = 2.0
+"""Standard errors within which misses of two motions are the same."""
 _FIRST_STEPS, _GO_ON = 3, 2
 """Steps after which of many starts of a law the best go on, and how many: most come to the same place."""
 
@@ -107,8 +109,7 @@ def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> Force
         ground, singles = base, extended(base, problem, scales) or [base]
     over = left_over(chosen, problem, scales)
     # a law that says the force but moves worse than the base model is no name either
-    as_well = 100.0 - PREDICTS_WORSE.value * (100.0 - _followed(base, problem, scales))
-    laws = [f for f in singles if f is not ground and _moves(f, as_well, problem, scales)]
+    laws = [f for f in singles if f is not ground and _moves_as_well(f, base, problem, scales)]
     problem = problem.levelled(chosen.residual, chosen.memory.independent)
 
     first = moving(under(base, problem), problem, scales)
@@ -210,9 +211,30 @@ def _pushed(base: Fit, problem: InverseDynamics, scales: Scales, judge: Judge | 
 def _predicts(found: Fit, base: Fit, problem: InverseDynamics) -> bool:
     """Whether a model's own motion misses no more than the base model's: what says a force but moves worse explains
     nothing, though noise that its law makes large may leave as much of the force.
+
+    What is not known of the force between its samples moves both astray: by how much the misses differ from window to
+    window says what that alone makes of their difference.
     """
-    missed, usual = (100.0 - motion_followed(one.shown.y, problem) for one in (found, base))
-    return missed <= PREDICTS_WORSE.value * usual
+    channel = "x" if "x" in problem.channels else "v"
+    seen, windows = problem.channels[channel], problem.starts.windows
+    missed, usual = (
+        np.array(
+            [float(np.sum((seen[w.start : w.stop] - one.shown.y[channel][w.start : w.stop]) ** 2)) for w in windows]
+        )
+        for one in (found, base)
+    )
+    more = missed - usual
+    return bool(
+        np.sum(missed) <= PREDICTS_WORSE.value**2 * np.sum(usual)
+        or np.sum(more) <= _BY_CHANCE * math.sqrt(float(np.sum((more - np.mean(more)) ** 2)))
+    )
+
+
+def _moves_as_well(found: Fit, base: Fit, problem: InverseDynamics, scales: Scales) -> bool:
+    """The same of what has not been simulated."""
+    with suppress(SimulationError):
+        return _predicts(moving(found, problem, scales), moving(base, problem, scales), problem)
+    return False
 
 
 def _moves(found: Fit, least: float, problem: InverseDynamics, scales: Scales) -> bool:
