@@ -225,7 +225,8 @@ def _refined(change: Change, sampled: Sampled, thin: Sampled, arm: Arm) -> tuple
     if change.option == "--gravity" and (turned := _turned(sampled, arm)):
         return turned
     if change.option != "--offset":
-        return change, next(other for one, other in _changes(sampled, arm) if one == change)
+        # what every tenth sample spoke for, all of them may not
+        return change, next((other for one, other in _changes(sampled, arm) if one == change), sampled)
     i, first, width = arm.joints.index(change.joints[0]), _offset(change), 2.0 * math.pi / _STEPS
     offset = float(
         minimize_scalar(
