@@ -176,15 +176,17 @@ def left_over(found: Fit, problem: InverseDynamics, scales: Scales) -> LeftOver:
     In means over ever longer stretches too: what noise leaves is fast, what a law leaves is slow.
     """
     try:
-        simulated = [_by_length(again.residual) for again, _ in draws(found, problem, scales, NULL_DRAWS.count)]
-        alone = [_by_length(again.residual)[0] for again, _ in draws(found, problem, scales, 1, sensors_alone=True)]
+        count = NULL_DRAWS.count
+        simulated = [
+            _by_length(again.residual) for again, _ in draws(found, problem, scales, count, sensors_alone=True)
+        ]
     except SimulationError:
         return LeftOver(np.inf, None)
     seen = _by_length(found.residual)
     common = min(seen.size, *(s.size for s in simulated))
     most = np.max([s[:common] for s in simulated], axis=0)
     ratio = float(np.sqrt(np.max(seen[:common] / np.maximum(most, 1e-300))))
-    return LeftOver(ratio, float(np.mean(alone)))
+    return LeftOver(ratio, float(np.mean([s[0] for s in simulated])))
 
 
 def _by_length(residual: FloatArray) -> FloatArray:
