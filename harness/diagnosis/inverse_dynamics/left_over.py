@@ -40,7 +40,7 @@ _ON_THE_WAY = 99.0
 def draws(current: Fit, problem: Q, scales: Scales, count: int, sensors_alone: bool = False) -> Iterator[tuple[Fit, Q]]:
     """A fitted model as the truth, recorded and fitted again, so many times. Raises SimulationError.
 
-    sensors_alone : without what remains beside the noise of the sensors.
+    sensors_alone : with no more beside the noise of the sensors than is of its size.
     """
     parts = problem.alone or (problem,)
     each = [_Moved.by(current.model.of_recording(r), one, scales) for r, one in enumerate(parts)]
@@ -102,9 +102,10 @@ class _Moved:
     def measured(self, random: np.random.Generator, sensors_alone: bool) -> Measured:
         """The same, smoothed as the recording was."""
         found, known = Measured.of(self.drawn(random), other=self.problem.measured), self.problem.covariance
-        if known is None or sensors_alone:
+        if known is None:
             return found
-        beside = known.left * random.standard_normal(found.moving.size)
+        size = min(known.left, known.sensors) if sensors_alone else known.left
+        beside = size * random.standard_normal(found.moving.size)
         return replace(found, u=found.u + np.repeat(beside, found.u.size // beside.size))
 
 

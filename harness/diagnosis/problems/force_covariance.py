@@ -32,7 +32,7 @@ class ForceCovariance:
 
     m, c, k : of the base model that asks for it. motion : noise of the position, m, or of the speed, m/s, that is
     differentiated. force : of the recorded force, N. left : N, of means over blocks, what remains, the same everywhere.
-    usual : N, deviation of a mean, of which others are multiples.
+    sensors, usual : N, deviation of most means by the noise of the sensors alone and by all, of which others are multiples.
     """
 
     m: float
@@ -41,6 +41,7 @@ class ForceCovariance:
     motion: float
     force: float
     left: float
+    sensors: float
     usual: float
 
     @classmethod
@@ -50,7 +51,7 @@ class ForceCovariance:
         A force that scatters may be a controller's own, which the slider has felt, and a position finer than any noise
         that is looked for: what neighbouring means have in common tells either.
         """
-        found = cls(base.m, base.c, base.k, 1.0, 1.0, 0.0, 1.0)
+        found = cls(base.m, base.c, base.k, 1.0, 1.0, 0.0, 0.0, 1.0)
         of_motion, of_force = found._parts(seen)
         size = math.sqrt(float(np.mean(residual**2)))
         units = size / np.sqrt([float(np.median(one.diagonal())) for one in (of_motion, of_force)])
@@ -74,7 +75,8 @@ class ForceCovariance:
         powers = min(fits, key=lambda fit: float(fit.fun)).x
         motion, force, left = sizes(powers)
         usual = math.sqrt(float(np.median(bands(powers)[0])))
-        return replace(found, motion=motion, force=force, left=left, usual=usual)
+        sensors = math.sqrt(max(usual**2 - left**2, 0.0))
+        return replace(found, motion=motion, force=force, left=left, sensors=sensors, usual=usual)
 
     def factor(self, seen: Measured) -> FloatArray:
         """Lower Cholesky factor over the blocks that count, by diagonals, in units of the usual deviation."""
