@@ -24,7 +24,7 @@ from harness.diagnosis.problems.inverse import InverseDynamics, Q
 from harness.diagnosis.problems.measured import Measured
 from harness.diagnosis.problems.simulated import COARSE, observe
 from harness.diagnosis.residual_tests.structure import Left
-from harness.diagnosis.rules import NULL_DRAWS, OVER_SIMULATED
+from harness.diagnosis.rules import BETWEEN_SAMPLES, NULL_DRAWS, OVER_SIMULATED
 from harness.diagnosis.smoothed_state.state import Course
 from harness.estimate.noise import Noise, channel_noise
 from harness.kernels.solve import Drive, Scales
@@ -37,10 +37,10 @@ _ON_THE_WAY = 99.0
 """% of the motion (NRMSE)."""
 
 
-def draws(current: Fit, problem: Q, scales: Scales, count: int, sensors_alone: bool = False) -> Iterator[tuple[Fit, Q]]:
+def draws(current: Fit, problem: Q, scales: Scales, count: int, beside: float = math.inf) -> Iterator[tuple[Fit, Q]]:
     """A fitted model as the truth, recorded and fitted again, so many times. Raises SimulationError.
 
-    sensors_alone : with no more beside the noise of the sensors than is of its size.
+    beside : times the noise of the sensors, that what remains beside it is at most.
     """
     parts = problem.alone or (problem,)
     each = [_Moved.by(current.model.of_recording(r), one, scales) for r, one in enumerate(parts)]
@@ -48,7 +48,7 @@ def draws(current: Fit, problem: Q, scales: Scales, count: int, sensors_alone: b
     same = problem.measured.moving if problem.restoring is Restoring.NONE else None
     random = np.random.default_rng(0)
     for _ in range(count):
-        drawn = Measured.of_several([one.measured(random, sensors_alone) for one in each], problem)
+        drawn = Measured.of_several([one.measured(random, beside) for one in each], problem)
         if same is not None:
             drawn = drawn.part(same)
         again = replace(problem, fixed=drawn)
@@ -99,14 +99,14 @@ class _Moved:
             force = force + np.interp(drive.t, problem.t, self.noise.drawn(problem.t.size, random))
         return replace(problem, channels=channels, drive=replace(drive, u=force))
 
-    def measured(self, random: np.random.Generator, sensors_alone: bool) -> Measured:
+    def measured(self, random: np.random.Generator, beside: float) -> Measured:
         """The same, smoothed as the recording was."""
         found, known = Measured.of(self.drawn(random), other=self.problem.measured), self.problem.covariance
         if known is None:
             return found
-        size = min(known.left, known.sensors) if sensors_alone else known.left
-        beside = size * random.standard_normal(found.moving.size)
-        return replace(found, u=found.u + np.repeat(beside, found.u.size // beside.size))
+        size = min(known.left, beside * known.sensors)
+        more = size * random.standard_normal(found.moving.size)
+        return replace(found, u=found.u + np.repeat(more, found.u.size // more.size))
 
 
 _STEP = 0.01
@@ -171,16 +171,16 @@ class LeftOver:
         return Left.NOISE if self.ratio <= OVER_SIMULATED.value else Left.STRUCTURE
 
 
-def left_over(found: Fit, problem: InverseDynamics, scales: Scales) -> LeftOver:
-    """What a model leaves of a force beside what it would leave if it were the whole truth.
+def left_over(found: Fit, problem: InverseDynamics, scales: Scales, laws: int) -> LeftOver:
+    """What a model of so many laws leaves of a force beside what it would leave if it were the whole truth.
 
-    In means over ever longer stretches too: what noise leaves is fast, what a law leaves is slow.
+    In means over ever longer stretches too: what noise leaves is fast, what a law leaves is slow. What is left as if
+    it were noise may be what happens between samples, if it is not many times that of the sensors; but several laws
+    together leave nearly everything like that, so that beside them no more of it counts than is of the sensors' size.
     """
     try:
-        count = NULL_DRAWS.count
-        simulated = [
-            _by_length(again.residual) for again, _ in draws(found, problem, scales, count, sensors_alone=True)
-        ]
+        count, beside = NULL_DRAWS.count, BETWEEN_SAMPLES.value if laws <= 1 else 1.0
+        simulated = [_by_length(again.residual) for again, _ in draws(found, problem, scales, count, beside)]
     except SimulationError:
         return LeftOver(np.inf, None)
     seen = _by_length(found.residual)

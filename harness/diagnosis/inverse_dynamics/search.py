@@ -46,6 +46,8 @@ _PUSH = next(term for term in NAMED if term.push is not None and len(term.parame
 """The term that does nothing but push."""
 _LOOKED_AT = 5
 """Names that are extended by a further one."""
+_ROUNDS = 2
+"""In which noise and the law beside it are found: under the noise that is found first another law may be nearer."""
 _BY_CHANCE = 2.0
 """Standard errors within which misses of two motions are the same."""
 _FIRST_STEPS, _GO_ON = 3, 2
@@ -68,12 +70,17 @@ def under_noise(problem: Q) -> Q:
     """
     if problem.alone:
         return problem
-    base, scales = force_baseline(problem)
-    nearest = min((base, *with_one_more(scales, base, problem, HASTY)), key=lambda found: found.chi2)
     scatter = channel_noise(problem.t, problem.drive.at(problem.t), rests=True)
     own = scatter.sigma if scatter.found else 0.0
-    noise = ForceCovariance.likeliest(problem.measured, base.model, nearest.residual, own)
-    return replace(problem, covariance=noise)
+    for _ in range(_ROUNDS):
+        base, scales = force_baseline(problem)
+        nearest = min((base, *with_one_more(scales, base, problem, HASTY)), key=lambda found: found.chi2)
+        left = problem.measured.even(problem.rows["u"] - nearest.shown.y["u"])
+        late = problem.measured.even(problem.measured.late)
+        left = left - late * (late @ left) / max(float(late @ late), 1e-300)
+        noise = ForceCovariance.likeliest(problem.measured, base.model, left, own)
+        problem = replace(problem, covariance=noise)
+    return problem
 
 
 def moving(found: Fit, problem: InverseDynamics, scales: Scales) -> Fit:
@@ -107,7 +114,7 @@ def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> Force
     if chosen is ground is not base:
         # nothing is left beside the push, which is then what is missing
         ground, singles = base, extended(base, problem, scales) or [base]
-    over = left_over(chosen, problem, scales)
+    over = left_over(chosen, problem, scales, len(chosen.model.terms) - len(ground.model.terms))
     # a law that says the force but moves worse than the base model is no name either
     laws = [f for f in singles if f is not ground and _moves_as_well(f, base, problem, scales)]
     problem = problem.levelled(chosen.residual, chosen.memory.independent)

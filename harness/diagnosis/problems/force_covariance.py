@@ -32,7 +32,8 @@ class ForceCovariance:
 
     m, c, k : of the base model that asks for it. motion : noise of the position, m, or of the speed, m/s, that is
     differentiated. force : of the recorded force, N. left : N, of means over blocks, what remains, the same everywhere.
-    sensors, usual : N, deviation of most means by the noise of the sensors alone and by all, of which others are multiples.
+    sensors, usual : N, deviation of most means by the noise of the sensors alone, and by all, of which others are
+    multiples.
     """
 
     m: float
