@@ -73,7 +73,7 @@ SOUND: dict[str, tuple[Model, dict[str, float]]] = {
 def test_a_sound_model_leaves_no_more_than_noise(truth: Model, noise: Mapping[str, float]) -> None:
     problem = by_force(recorded(truth, 3000, **noise), truth.restoring)
     base, scales = force_baseline(problem)
-    over = left_over(base, problem, scales)
+    over = left_over(base, problem, scales, 0)
     assert over.left is Left.NOISE
     assert over.noise == pytest.approx(base.chi2 / base.residual.size, rel=0.5)
 

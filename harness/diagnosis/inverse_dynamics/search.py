@@ -66,9 +66,10 @@ def force_baseline(problem: InverseDynamics) -> tuple[Fit, Scales]:
 def under_noise(problem: Q) -> Q:
     """The problem with the noise of its sensors, as what the law leaves that says most of the force is likeliest with.
 
-    What a law that is missing leaves is no noise. Raises SimulationError when the base model cannot be fitted.
+    What a law that is missing leaves is no noise, nor is what smoothing rounds off where reversals count: as it is
+    there, and for several. Raises SimulationError when the base model cannot be fitted.
     """
-    if problem.alone:
+    if problem.alone or not problem.guarded:
         return problem
     scatter = channel_noise(problem.t, problem.drive.at(problem.t), rests=True)
     own = scatter.sigma if scatter.found else 0.0

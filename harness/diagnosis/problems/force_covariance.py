@@ -22,8 +22,9 @@ _LEAST, _MOST = np.array([-2.0, -2.0, -1.0]), 0.5
 """Powers of ten of a residual's rms between which its parts lie, by the motion, by the force and what is left: smoothed
 alike as they are, motion and force never agree better than to a tenth of what they differ by."""
 _STARTS = ((-0.3, -1.5, -0.8), (-1.5, -0.3, -0.8), (-0.5, -0.5, -0.3))
+"""The same, where the likeliest are looked for from: mostly the motion, mostly the force, mostly neither."""
 _ENDS = {"xatol": 0.02, "fatol": 0.1, "maxfev": 120}
-"""Where the likeliest are looked for from, and where that ends: a hundredth moves nothing."""
+"""Where that ends: a hundredth moves nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,8 +33,8 @@ class ForceCovariance:
 
     m, c, k : of the base model that asks for it. motion : noise of the position, m, or of the speed, m/s, that is
     differentiated. force : of the recorded force, N. left : N, of means over blocks, what remains, the same everywhere.
-    sensors, usual : N, deviation of most means by the noise of the sensors alone, and by all, of which others are
-    multiples.
+    sensors : N, deviation of most means by the noise of the motion and all scatter of the force. usual : N, by what
+    there is of each, of which others are multiples.
     """
 
     m: float
@@ -76,7 +77,8 @@ class ForceCovariance:
         powers = min(fits, key=lambda fit: float(fit.fun)).x
         motion, force, left = sizes(powers)
         usual = math.sqrt(float(np.median(bands(powers)[0])))
-        sensors = math.sqrt(max(usual**2 - left**2, 0.0))
+        most = motion**2 * of_motion.diagonal() + scatter**2 * of_force.diagonal()
+        sensors = math.sqrt(float(np.median(most)))
         return replace(found, motion=motion, force=force, left=left, sensors=sensors, usual=usual)
 
     def factor(self, seen: Measured) -> FloatArray:
