@@ -117,7 +117,8 @@ def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> Force
         ground, singles = base, extended(base, problem, scales) or [base]
     over = left_over(chosen, problem, scales, len(chosen.model.terms) - len(ground.model.terms))
     # a law that says the force but moves worse than the base model is no name either
-    laws = [f for f in singles if f is not ground and _moves_as_well(f, base, problem, scales)]
+    as_well = 100.0 - PREDICTS_WORSE.value * (100.0 - _followed(base, problem, scales))
+    laws = [f for f in singles if f is not ground and _moves(f, as_well, problem, scales)]
     problem = problem.levelled(chosen.residual, chosen.memory.independent)
 
     first = moving(under(base, problem), problem, scales)
@@ -236,13 +237,6 @@ def _predicts(found: Fit, base: Fit, problem: InverseDynamics) -> bool:
         np.sum(missed) <= PREDICTS_WORSE.value**2 * np.sum(usual)
         or np.sum(more) <= _BY_CHANCE * math.sqrt(float(np.sum((more - np.mean(more)) ** 2)))
     )
-
-
-def _moves_as_well(found: Fit, base: Fit, problem: InverseDynamics, scales: Scales) -> bool:
-    """The same of what has not been simulated."""
-    with suppress(SimulationError):
-        return _predicts(moving(found, problem, scales), moving(base, problem, scales), problem)
-    return False
 
 
 def _moves(found: Fit, least: float, problem: InverseDynamics, scales: Scales) -> bool:

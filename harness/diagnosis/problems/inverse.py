@@ -45,6 +45,7 @@ class InverseDynamics(Forced):
     independent: float | None = None
     covariance: ForceCovariance | None = None
     _factor: FloatArray | None = field(init=False, default=None, repr=False, compare=False)
+    _late: FloatArray | None = field(init=False, default=None, repr=False, compare=False)
     _rough: float | None = field(init=False, default=None, repr=False, compare=False)
     _measured: Measured | None = field(init=False, default=None, repr=False, compare=False)
 
@@ -82,8 +83,7 @@ class InverseDynamics(Forced):
         A force acts, or was measured, up to a sample before or after its stamp: what that makes of it is noise of one
         shape.
         """
-        seen = self.measured
-        even, late = (self._white(seen.even(y)) for y in (values["u"], seen.late))
+        even, late = self._white(self.measured.even(values["u"])), self._later
         for one in np.split(np.arange(late.size), self.seams):
             shape = late[one]
             size = float(shape @ shape)
@@ -92,6 +92,13 @@ class InverseDynamics(Forced):
                 even[one] -= np.multiply.outer(shape, share / size * (shape @ even[one]))
         even *= self.unit
         return {"u": even}
+
+    @property
+    def _later(self) -> FloatArray:
+        if self._late is None:
+            object.__setattr__(self, "_late", self._white(self.measured.even(self.measured.late)))
+        assert self._late is not None
+        return self._late
 
     def _white(self, values: FloatArray) -> FloatArray:
         if self.covariance is None:
@@ -103,8 +110,10 @@ class InverseDynamics(Forced):
 
     @property
     def precision(self) -> float:
-        """Over the deviation, N, of an independent value; as long as the level is not known, of what the first model
-        leaves."""
+        """Over the deviation, N, of an independent value.
+
+        As long as the level is not known, of what the first model leaves.
+        """
         if self.independent is not None:
             return self.unit
         if self._rough is None:
