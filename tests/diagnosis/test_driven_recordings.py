@@ -269,7 +269,7 @@ def test_force_fit_finds_the_published_axis(axis: Judge, recordings: Path) -> No
     fitted, cross = axis.errors(turned.model)
     assert fitted < PUBLISHED_DIRECTED_ERROR
     # our own figures, a little above what the protocol itself leaves with this law, 3.051 and 5.336
-    assert fitted <= 3.061
+    assert fitted <= 3.06
     assert cross <= 5.345
     assert turned.model.m == pytest.approx(95.1, abs=0.5)
     assert axis.confirms(base.model, turned.model)

@@ -41,7 +41,7 @@ def as_it_acts(problem: InverseDynamics, u: FloatArray) -> tuple[InverseDynamics
     said: tuple[str, ...] = ()
     if of_held[0] < FORCE_HELD.value * left:
         problem, (left, after, without), said = stepped, of_held, (ACTS_HELD,)
-    if without < FORCE_HELD.value * left:
+    if problem.guarded and without < FORCE_HELD.value * left:
         late = after * float(np.median(np.diff(problem.t)))
         problem = replace(problem, drive=replace(problem.drive, t=problem.drive.t + late))
         said = (*said, f"the force acts {1e3 * late:.2g} ms after its stamps")

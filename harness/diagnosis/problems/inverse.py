@@ -81,8 +81,10 @@ class InverseDynamics(Forced):
         """Over the level of its recording, in ``unit``s: what is left stays coloured.
 
         A force acts, or was measured, up to a sample before or after its stamp: what that makes of it is noise of one
-        shape.
+        shape. Where reversals count, what smoothing rounds off of them looks like it, and is not.
         """
+        if not self.guarded:
+            return {"u": self.measured.even(values["u"]) * self.unit}
         even, late = self._white(self.measured.even(values["u"])), self._later
         for one in np.split(np.arange(late.size), self.seams):
             shape = late[one]
