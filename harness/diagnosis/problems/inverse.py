@@ -81,19 +81,17 @@ class InverseDynamics(Forced):
         """Over the level of its recording, in ``unit``s: what is left stays coloured.
 
         A force acts, or was measured, up to a sample before or after its stamp: what that makes of it is noise of one
-        shape. Where reversals count, what smoothing rounds off of them looks like it, and is not.
+        shape. Where reversals count, what smoothing rounds off of them looks like it, and is not; of several recordings
+        each has its force as it acts.
         """
-        if not self.guarded:
+        if not self.guarded or self.alone:
             return {"u": self.measured.even(values["u"]) * self.unit}
         even, late = self._white(self.measured.even(values["u"])), self._later
-        for one in np.split(np.arange(late.size), self.seams):
-            shape = late[one]
-            size = float(shape @ shape)
-            if size > 0.0:
-                share = 1.0 - 1.0 / math.sqrt(1.0 + size * self.precision**2)
-                even[one] -= np.multiply.outer(shape, share / size * (shape @ even[one]))
-        even *= self.unit
-        return {"u": even}
+        size = float(late @ late)
+        if size > 0.0:
+            share = 1.0 - 1.0 / math.sqrt(1.0 + size * self.precision**2)
+            even = even - np.multiply.outer(late, share / size * (late @ even))
+        return {"u": even * self.unit}
 
     @property
     def _later(self) -> FloatArray:
@@ -122,7 +120,7 @@ class InverseDynamics(Forced):
             seen = self.measured
             left = self._white(seen.even(self.rows["u"] - seen.asked(self.first)[0]))
             squares = max(float(left @ left), 1e-300)
-            object.__setattr__(self, "_rough", math.sqrt(memory(left, begins=self.seams).independent / squares))
+            object.__setattr__(self, "_rough", math.sqrt(memory(left).independent / squares))
         assert self._rough is not None
         return self._rough
 
