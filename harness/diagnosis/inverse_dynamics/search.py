@@ -66,8 +66,8 @@ def force_baseline(problem: InverseDynamics) -> tuple[Fit, Scales]:
 def under_noise(problem: Q) -> Q:
     """The problem with the noise of its sensors, as what the law leaves that says most of the force is likeliest with.
 
-    What a law that is missing leaves is no noise, nor is what smoothing rounds off where reversals count: as it is
-    there, and for several. Raises SimulationError when the base model cannot be fitted.
+    What a law that is missing leaves is no noise, nor is what smoothing rounds off: a problem in which reversals count,
+    or of several recordings, is given back as it is. Raises SimulationError when the base model cannot be fitted.
     """
     if problem.alone or not problem.guarded:
         return problem
