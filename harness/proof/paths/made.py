@@ -126,7 +126,7 @@ def _scaled(rng: Rng, rig: Rig | Arm, p: FloatArray, form: Form | None, tables: 
     for _ in range(TURNS):
         worth = _worth(rig, p, tables)
         if 0.8 < worth / wanted < 1.25 or (worth < wanted and p[place] == limit):
-            break
+            return worth
         if not math.isfinite(worth):
             p[place] *= 0.3
             continue

@@ -30,7 +30,7 @@ HELD, FREE = cast(bool, np.bool_(True)), cast(bool, np.bool_(False))
 """Whether friction holds it: Numba compiles a function anew for every word True or False that it is given."""
 
 
-@compiled
+@lean
 def _read(table: FloatArray, s: float) -> float:
     """A table over -2 to 2, flat beyond, by the cubic of Catmull and Rom."""
     n = table.size - 1
@@ -41,7 +41,7 @@ def _read(table: FloatArray, s: float) -> float:
     return float(b + 0.5 * r * (c - a + r * (2.0 * a - 5.0 * b + 4.0 * c - d + r * (3.0 * (b - c) + d - a))))
 
 
-@compiled
+@lean
 def dry(x: float, v: float, t: float, work: float, b: FloatArray, p: FloatArray, tables: FloatArray) -> float:
     """Level of dry friction while sliding, N."""
     level = b[3]
@@ -66,7 +66,7 @@ def dry(x: float, v: float, t: float, work: float, b: FloatArray, p: FloatArray,
     return float(max(level, 0.0))
 
 
-@compiled
+@lean
 def wet(  # noqa: PLR0912  (one law after the other)
     x: float, v: float, t: float, b: FloatArray, p: FloatArray, tables: FloatArray
 ) -> float:  # fmt: skip
@@ -123,7 +123,7 @@ def wet(  # noqa: PLR0912  (one law after the other)
     return float(f)
 
 
-@compiled
+@lean
 def _rates(
     s: FloatArray, t: float, u: float, side: float, held: bool, x0: float, b: FloatArray, p: FloatArray,
     tables: FloatArray, out: FloatArray,
@@ -194,7 +194,7 @@ def combined(s: FloatArray, h: float, k1: FloatArray, k2: FloatArray, k3: FloatA
         out[i] = s[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i])
 
 
-@compiled
+@lean
 def _step(
     s: FloatArray, t: float, h: float, u: float, rate: float, side: float, held: bool, b: FloatArray, p: FloatArray,
     tables: FloatArray, w: FloatArray,
@@ -211,7 +211,7 @@ def _step(
     combined(s, h, w[0], w[1], w[2], w[3], w[5])
 
 
-@compiled
+@lean
 def _advance(
     s: FloatArray, side: float, stuck: float, t: float, h: float, u: float, rate: float, b: FloatArray, p: FloatArray,
     tables: FloatArray, w: FloatArray,
@@ -259,7 +259,7 @@ def _advance(
     return side, stuck
 
 
-@compiled
+@lean
 def _shown(
     s: FloatArray, side: float, t: float, u: float, b: FloatArray, p: FloatArray, tables: FloatArray, w: FloatArray,
     row: FloatArray,

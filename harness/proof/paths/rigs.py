@@ -105,6 +105,10 @@ class Rig:
         x0, v0 = self.start if start is None else start
         return plant.given_force(self.drive[0], self.held, self.dt, self.fine, x0, v0, b, p, tables)
 
+    def begun(self, count: int) -> "Rig":
+        """With the first samples alone of the force that moves it."""
+        return replace(self, drive=(self.drive[0][: count if self.held else (count - 1) * self.fine + 1],))
+
     def ticks(self, b: FloatArray, p: FloatArray, tables: FloatArray = NONE) -> FloatArray:
         """Of a controller's axis, at every tick, (m, 5)."""
         assert self.gains is not None
@@ -170,14 +174,20 @@ def loss(rig: Rig, p: FloatArray, tables: FloatArray = NONE) -> float:
     told = [(c, rig.sigma[_NOISE[c]]) for c in rig.channels if c != "u"]
     span = float(np.max(np.abs(run[:, 0]))), float(np.max(np.abs(run[:, 1])))
 
-    def left(z: FloatArray, share: float) -> FloatArray:
+    @lru_cache(maxsize=1)
+    def kept(z: tuple[float, ...], share: float) -> FloatArray:
         q, b = _USUAL * z, rig.b.copy()
         b[:4] *= np.exp(np.clip(q[:4], -5.0, 5.0) * ([rig.driven, 1.0, 1.0, 1.0] * (b[:4] > 0.0)))
-        again = rig.run(BARE, NONE, b, (rig.start[0] + q[4] * span[0], rig.start[1] + q[5] * span[1]))
-        bare, until = shown(rig, again, BARE), math.ceil(share * len(run))
-        parts = [(seen[c] - bare[c])[:until] / sigma for c, sigma in told]
+        begun = rig.begun(math.ceil(share * len(run)))
+        again = begun.run(BARE, NONE, b, (rig.start[0] + q[4] * span[0], rig.start[1] + q[5] * span[1]))
+        bare = shown(begun, again, BARE)
+        parts = [(seen[c][: len(again)] - bare[c]) / sigma for c, sigma in told]
         parts[0] = parts[0] - (np.mean(parts[0]) if "x" in rig.channels and rig.zero else 0.0)
         return np.nan_to_num(np.concatenate(parts), nan=1e6, posinf=1e6, neginf=-1e6)
+
+    # a copy, which the solver weighs in place; it asks for slopes where it asked last
+    def left(z: FloatArray, share: float) -> FloatArray:
+        return kept((*z,), share).copy()
 
     def slopes(z: FloatArray, share: float) -> FloatArray:
         here = left(z, share)

@@ -13,7 +13,7 @@ end of the play and does not bounce; sensor and servo are on the link's side, wh
 import math
 
 from harness.core.arrays import FloatArray
-from harness.core.jit import compiled
+from harness.core.jit import lean
 
 NAMES = (
     *("stall", "kp", "kd", "limit", "brake", "armature", "c", "f_k", "f_s", "v_s"),
@@ -52,7 +52,7 @@ def _dry(theta: FloatArray, v: float, motor: float, outer: float) -> float:
     return float(max(dry, 0.0))
 
 
-dry_friction = compiled(_dry)
+dry_friction = lean(_dry)
 
 
 def _slowed(v: float, most: float) -> float:
@@ -60,7 +60,7 @@ def _slowed(v: float, most: float) -> float:
     return max(v - most, 0.0) + min(v + most, 0.0)
 
 
-slowed = compiled(_slowed)
+slowed = lean(_slowed)
 
 
 def _acting(error: float, dead: float, power: float) -> float:
@@ -72,7 +72,7 @@ def _acting(error: float, dead: float, power: float) -> float:
     return error * grown / (1.0 + grown)
 
 
-acting = compiled(_acting)
+acting = lean(_acting)
 
 
 def _wanted(theta: FloatArray, h: float, goal: float, reached: float, pace: float) -> tuple[float, float]:
@@ -91,7 +91,7 @@ def _wanted(theta: FloatArray, h: float, goal: float, reached: float, pace: floa
     return reached + h * pace, pace
 
 
-wanted = compiled(_wanted)
+wanted = lean(_wanted)
 
 
 def _driven(theta: FloatArray, error: float, v: float, volts: float) -> tuple[float, float]:
@@ -108,7 +108,7 @@ def _driven(theta: FloatArray, error: float, v: float, volts: float) -> tuple[fl
     return drive, drag
 
 
-driven = compiled(_driven)
+driven = lean(_driven)
 
 
 def _turned(
@@ -131,7 +131,7 @@ def _turned(
     return v
 
 
-turned = compiled(_turned)
+turned = lean(_turned)
 
 
 def _moved_apart(
@@ -158,7 +158,7 @@ def _moved_apart(
     state[0], state[1], state[2], state[3] = q, v, angle, spin
 
 
-moved_apart = compiled(_moved_apart)
+moved_apart = lean(_moved_apart)
 
 
 def _free_run(
@@ -217,4 +217,4 @@ def _free_run(
         out[i] = state[0] + zero
 
 
-free_run = compiled(_free_run)
+free_run = lean(_free_run)
