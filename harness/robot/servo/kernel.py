@@ -39,6 +39,8 @@ NAMES = (
 """Numbers of a run in the order of the kernel's array; their units are in harness.robot.servo.plant."""
 STEP = 2e-3
 """Longest step, s."""
+GAUSSIAN = 2.0
+"""Exponent of how friction at rest fades where nothing tells it."""
 _TOUCHES = 0.999
 """Of the play, from which rotor and link touch."""
 
@@ -48,7 +50,11 @@ def _dry(theta: FloatArray, v: float, motor: float, outer: float) -> float:
     carried = abs(theta[11] * outer - theta[10] * motor)
     dry = theta[7] + carried
     if theta[8] != 0.0 or theta[12] != 0.0:
-        dry += (theta[8] + theta[12] * abs(motor)) * math.exp(-((abs(v) / theta[9]) ** theta[22]))
+        fast = abs(v) / theta[9]
+        # the Gaussian's own square: any power costs as much as all the rest of a step
+        dry += (theta[8] + theta[12] * abs(motor)) * math.exp(
+            -(fast * fast if theta[22] == GAUSSIAN else fast ** theta[22])
+        )
     return float(max(dry, 0.0))
 
 
@@ -98,7 +104,9 @@ def _driven(theta: FloatArray, error: float, v: float, volts: float) -> tuple[fl
     """The motor's torque as drive - drag v, N m and N m s/rad, at an error of position, rad."""
     kp, kd, limit, most = theta[1], theta[2], theta[3], theta[20]
     duty = kp * error - kd * v
-    gain = theta[0] * volts * (1.0 - theta[21] * min(abs(duty), limit) ** theta[23])
+    gain = theta[0] * volts
+    if theta[21] != 0.0:
+        gain *= 1.0 - theta[21] * min(abs(duty), limit) ** theta[23]
     drive, drag = gain * kp * error, theta[4] + gain * kd
     if abs(duty) > limit:
         drive, drag = gain * (limit if duty > 0.0 else -limit), theta[4]

@@ -7,7 +7,7 @@ from xml.sax.saxutils import quoteattr
 
 from harness.robot.paste import JointPaste
 from harness.robot.servo.fit import ServoFit
-from harness.robot.servo.plant import GAUSSIAN
+from harness.robot.servo.kernel import GAUSSIAN
 from harness.robot.servo.presets import Preset
 
 _BAM = {"sts3215": "sts3215", "sts3215-12v": "sts321512v", "xl330": "xl330"}

@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.robot.servo.kernel import NAMES, free_run
+from harness.robot.servo.kernel import GAUSSIAN, NAMES, free_run
 
 
 class Number(NamedTuple):
@@ -59,14 +60,12 @@ how fast it takes that up and leaves it. most : torque, by the current's limit. 
 is lost at full duty, by a power concave_power of the duty, 1 where it is not given. exponent : of how friction at
 rest fades, 2 where it is not given. dead_power : of the error e over a dead band d of which a share 1/(1 + (e/d)^p)
 is lost; where it is not given, all within and as much beyond."""
-GAUSSIAN = 2.0
-"""Exponent of how friction at rest fades where nothing tells it."""
 _AT = {name: i for i, name in enumerate(NAMES)}
 _STARTS = 3
 """Samples on each side of a start from which its speed is read."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Run:
     """A log of one joint; arrays (n,).
 
@@ -83,7 +82,7 @@ class Run:
     kp: float = 1.0
     file: str = "log"
 
-    @property
+    @cached_property
     def step(self) -> float:
         """Least difference of two positions, rad: the sensor's step where it has one."""
         values = np.unique(self.q)
@@ -103,6 +102,15 @@ class Run:
 
     def start(self, at: int) -> tuple[float, float]:
         """Position and speed at a sample, rad and rad/s, by a parabola through its neighbours; at rest, none."""
+        if at not in self._starts:
+            self._starts[at] = self._start(at)
+        return self._starts[at]
+
+    @cached_property
+    def _starts(self) -> dict[int, tuple[float, float]]:
+        return {}
+
+    def _start(self, at: int) -> tuple[float, float]:
         low = min(max(at - _STARTS, 0), self.t.size - 2 * _STARTS - 1)
         t, q = self.t[low : low + 2 * _STARTS + 1] - self.t[at], self.q[low : low + 2 * _STARTS + 1]
         if np.ptp(q) <= 2.5 * self.step:
