@@ -1,6 +1,7 @@
 """Two traces of any origin against each other, before any model is fitted: harness compare."""
 
 import math
+import shlex
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
@@ -8,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from harness.app.shared.columns import in_unit, mapping, refuse_misread
 from harness.app.shared.estimates import estimate
 from harness.app.shared.leaving import FILES, leave, leaving
 from harness.app.shared.machine import this_machine
@@ -38,6 +40,14 @@ from harness.show.stored import StoredTrace
 FIGURES = ("omega_n", "zeta", "x_k", "amplitude", "rest")
 UNITS = {"x": "m", "v": "m/s", "a": "m/s^2"}
 ANGULAR = {"x": "rad", "v": "rad/s", "a": "rad/s^2"}
+_OPTIONS = ("--sim-columns", "--columns")
+"""How columns are named of the first trace and of the second."""
+_UNITS = {1e3: ("mm", math.log(2.0)), 1e6: ("um", math.log(2.0))}
+_TURNED = {math.degrees(1.0): ("deg", 0.2)}
+"""Factors of units beside m and rad, and how near the logarithm of what one trace goes over the other must lie: two
+motions that are compared differ by less than two, and by so many degrees a radian only as near as calibrations.
+"""
+_TINY = 1e-300
 _STILL = 0.1
 """Share of a half-cycle that must follow the stop, for a rest to be seen."""
 _MOST_OVERLAP = 0.98
@@ -98,7 +108,11 @@ def result_of(
     Raises InputError when nothing is in common.
     """
     sim, real = of_one_kind(sim, real)
+    _refuse_other_unit(sim, real)
     comparison = compared(sim, real, shift)
+    for trace, checks, option in zip((sim, real), comparison.checks, _OPTIONS, strict=True):
+        # one whose channels do not belong together may be compared as it is
+        refuse_misread(trace, [one for one in checks if one.related or one.mirrored], option)
     found, names = comparison.match, names_of(sim.file, real.file)
     readings = (
         reading(sim, found.found[0], found.clock),
@@ -141,6 +155,24 @@ def result_of(
         for i, (name, (x, v)) in enumerate(zip(names, shown.motion, strict=True))
     }
     return result.drawn(partial(compare_page, shown=shown), motions), shown
+
+
+def _refuse_other_unit(sim: Recording, real: Recording) -> None:
+    """Raise InputError where a channel goes as much farther in one trace as a unit makes it.
+
+    No shift and no difference of theirs means anything then.
+    """
+    for c in (c for c in UNITS if c in sim and c in real):
+        times = float(np.ptp(real[c])) / max(float(np.ptp(sim[c])), _TINY)
+        for factor, (unit, near) in (_UNITS | (_TURNED if real.angular else {})).items():
+            if abs(abs(math.log(max(times, _TINY))) - math.log(factor)) < near:
+                large = int(times > 1.0)
+                trace, option = (sim, real)[large], _OPTIONS[large]
+                columns = dict(trace.columns) or {"t": "t", c: c}
+                columns = in_unit(columns, c, unit + UNITS[c].removeprefix("m"))
+                found = f"goes {max(times, 1.0 / times):.4g} times as far as that of {(real, sim)[large].file}"
+                accepted = f"the same unit in both. Try: {option} {shlex.quote(mapping(columns))}"
+                raise InputError(f"{trace.file}: channel {c}", found, accepted)
 
 
 def summary(result: CompareResult) -> tuple[str, list[tuple[str, list[str]]]]:

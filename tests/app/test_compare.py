@@ -338,3 +338,37 @@ def test_what_does_not_go_together(places: tuple[str, ...], message: str, folder
 def test_names_are_short_where_they_can_be() -> None:
     assert named(["a/run", "b/tuned/"]) == ["run", "tuned"]
     assert named(["a/run", "b/run"]) == ["a/run", "b/run"]
+
+
+@pytest.mark.parametrize(
+    ("columns", "asked"),
+    [
+        ("x=x,a=0.101972*a", "x=x,a=0.101972*a[g]"),
+        ("x=1000*x,a=a", "x=1000*x[mm],a=a"),
+        ("x=x,a=-1*a", "x=x,a=-1*-1*a"),
+        ("x=a,a=x", "x=x,a=a"),
+    ],
+)
+def test_channels_of_another_unit_sign_or_name_are_refused_with_what_mends_them(
+    tmp_path: Path, columns: str, asked: str
+) -> None:
+    one = trace(tmp_path / "one.csv", noise=(1e-4, 0.05))
+    options = ReadOptions(columns=f"t=t,{columns}")
+    with pytest.raises(InputError) as error:
+        harness.diagnose(harness.load(one, columns=options.columns), out=tmp_path / "d")
+    assert f"--columns t=t,{asked}" in error.value.accepted.replace("'", "")
+    other = trace(tmp_path / "other.csv", noise=(1e-4, 0.05), seed=2)
+    with pytest.raises(InputError) as error:
+        compare(one, other, (options, ReadOptions()), out=tmp_path / "c")
+    assert f"--sim-columns t=t,{asked}" in error.value.accepted.replace("'", "")
+    mended = ReadOptions(columns=f"t=t,{asked}")
+    found = compare(one, other, (mended, ReadOptions()), out=tmp_path / "m")
+    assert found.verdict == "same within noise"
+
+
+def test_a_position_in_another_unit_than_the_other_traces_is_refused(tmp_path: Path) -> None:
+    one, other = (trace(tmp_path / f"{seed}.csv", noise=(1e-4, 0.05), seed=seed) for seed in (1, 2))
+    alone, in_mm = ReadOptions(columns="t=t,x=x"), ReadOptions(columns="t=t,x=1000*x")
+    with pytest.raises(InputError, match="goes 1000 times as far") as error:
+        compare(one, other, (alone, in_mm), out=tmp_path / "c")
+    assert "--columns 't=t,x=1000*x[mm]'" in error.value.accepted

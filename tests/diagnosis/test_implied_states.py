@@ -232,8 +232,8 @@ def test_gain_lag_and_offset_are_those_put_in() -> None:
 @pytest.mark.parametrize(
     ("gain", "mixed", "sentence"),
     [
-        (1e3, False, "acceleration does not match displacement by a factor of about 1000; are the units right?"),
-        (1e-3, False, "acceleration does not match displacement by a factor of about 1/1000; are the units right?"),
+        (1e3, False, "acceleration is about 1000 times what displacement says, as where a is in mm/s^2"),
+        (1e-3, False, "acceleration is about 1/1000 times what displacement says, as where x is in mm"),
         (-1.0, False, "acceleration and displacement do not belong together (they move against each other)"),
         (1.0, True, "acceleration and displacement do not belong together"),
     ],

@@ -5,8 +5,6 @@ recording, on which both models are tried with nothing fitted but its start.
 """
 
 import math
-import re
-import shlex
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -15,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from harness.app.diagnose.options import DiagnoseOptions, Zero
+from harness.app.shared.columns import in_unit, mapping, refuse_misread
 from harness.app.shared.reading import read
 from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
@@ -129,22 +128,13 @@ def _channels(recording: Recording, problem: Problem) -> tuple[tuple[Consistency
     if not 0.0 < omega < 1e300:
         return (), ()
     channels = consistency(problem.t, problem.channels, problem.noise, omega, problem.angular)
+    refuse_misread(recording, channels)
     said = []
     for one in channels:
-        if not one.related:
-            accepted = _turned(recording, one.pair[1]) if one.mirrored else "channels of one motion"
-            raise InputError(f"{recording.file}: channels {' and '.join(one.pair)}", one.sentence, accepted)
         gain = one.gain.value
         if gain is not None and not one.consistent and max(gain, 1.0 / gain) > _SUSPECT:
             said.append(one.sentence)
     return channels, tuple(said)
-
-
-def _turned(recording: Recording, channel: str) -> str:
-    """What to paste so that a channel has the other sign."""
-    columns = {c: f"-1*{of}" if c == channel else of for c, of in recording.columns.items()}
-    told = ",".join(f"{c}={of}" for c, of in columns.items()) or f"{channel}=-1*{channel}"
-    return f"try: --columns {shlex.quote(told)}"
 
 
 @contextmanager
@@ -208,8 +198,6 @@ _FASTEST = 100.0
 """m/s, which no slider that swings reaches: what does was read in m and is in mm, or in ms and is in s."""
 _SLOWEST = 100.0
 """s of a swing, which a slider on a spring hardly takes."""
-_UNIT = re.compile(r"\[[^][]*\]$")
-"""That a column is read in, behind it."""
 
 
 def implausible(recording: Recording, problem: Problem, moves: Moves) -> tuple[str, ...]:
@@ -237,9 +225,6 @@ def implausible(recording: Recording, problem: Problem, moves: Moves) -> tuple[s
 
 def _as(recording: Recording, channel: str, unit: str) -> str:
     """What reads a channel in another unit; "" where nobody told from which columns it came."""
-    columns = dict(recording.columns)
-    if channel not in columns:
+    if channel not in recording.columns:
         return ""
-    columns[channel] = f"{_UNIT.sub('', columns[channel])}[{unit}]"
-    said = ",".join(f"{c}={of}" for c, of in columns.items())
-    return f' Try: --columns "{said}"'
+    return f' Try: --columns "{mapping(in_unit(recording.columns, channel, unit))}"'

@@ -123,7 +123,7 @@ def result_of(
         recording=info.model_copy(update={"notes": notes}),
         motion=MotionResult.taken_from(prepared.moves, spans_s=prepared.moves.spans),
         read=read_of((recording,), options),
-        statement=sentence_of(outcome, shared.has, next((c.sentence for c in prepared.channels if c.other_unit), "")),
+        statement=sentence_of(outcome, shared.has),
         baseline=_fit_result(base, outcome, outcome.base_parameters),
         where=_places(outcome),
         mechanisms=[_mechanism(m, outcome) for m in outcome.mechanisms],

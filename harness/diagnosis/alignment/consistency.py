@@ -7,7 +7,7 @@ are a least-squares line through many windows.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -36,21 +36,28 @@ _MOST_JUMPS = 400
 _A_UNIT = 0.2
 """How near the logarithm of a gain must lie to that of a unit's factor: these are a factor of five apart or more."""
 _UNITS = {
-    1000.0: "1000",
-    1e-3: "1/1000",
-    1e6: "1000000",
-    1e-6: "1/1000000",
-    9.80665: "9.81 (g)",
-    1.0 / 9.80665: "1/9.81 (g)",
-    math.degrees(1.0): "180/pi",
-    math.radians(1.0): "pi/180",
+    1000.0: ("1000", "second", "mm"),
+    1e-3: ("1/1000", "first", "mm"),
+    1e6: ("1000000", "t", "ms"),
+    1e-6: ("1/1000000", "first", "um"),
+    9.80665: ("9.81", "second", "m"),
+    1.0 / 9.80665: ("1/9.81", "second", "g"),
+    math.degrees(1.0): ("180/pi", "second", "deg"),
+    math.radians(1.0): ("pi/180", "first", "deg"),
 }
-"""Factors that come of a unit taken for another."""
+"""Factors that come of a unit taken for another: in words, which of the two channels, or the time, and its unit."""
+_EXCHANGED = 0.1
+"""How near the logarithm of a gain must lie to none, and its lag to none in radians of the swing, where two channels
+have each other's names.
+"""
+_OTHERWISE = math.log(2.0)
+"""How far it must lie from none by their own: a swing near 1 rad/s is as large as its own second derivative."""
 _FAR = 1.1
 """Of a gain, from which its inverse is told too."""
 _ORDER = {("x", "v"): 1, ("v", "a"): 1, ("x", "a"): 2}
 _NAMES = {"x": "displacement", "v": "velocity", "a": "acceleration"}
 _SI = {"x": "m", "v": "m/s", "a": "m/s^2"}
+_A_TIME = {"x": "", "v": "/s", "a": "/s^2"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +67,8 @@ class Consistency:
     pair : ("x", "a"). gain : of the second over the derivative of the first; lag : s, by which the first is late
     against the second; offset : of the second, its unit. related : whether they move together at all. consistent :
     gain 1, lag 0, offset 0 within three standard errors each. sentence : plainly. mirrored : related but for the sign.
-    other_unit : the gain is that of a unit taken for another.
+    likelier : a channel, or "t", and the unit that it is in, where the gain is that of one taken for another.
+    exchanged : each is what its name says of the other.
     """
 
     pair: tuple[str, str]
@@ -71,7 +79,8 @@ class Consistency:
     consistent: bool
     sentence: str
     mirrored: bool = False
-    other_unit: bool = False
+    likelier: tuple[str, str] | None = None
+    exchanged: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,8 +155,31 @@ def consistency(
             why = f"{windows.centre.size} windows without a gap; {_FEWEST} are needed"
             found.append(_refused(pair, unit, why, consistent=True))
         else:
-            found.append(_pair(t, channels, noise, omega, pair, unit, windows))
+            one = _pair(t, channels, noise, omega, pair, unit, windows)
+            found.append(one if one.consistent or one.likelier else _named(one, t, channels, noise, omega, windows))
     return tuple(found)
+
+
+def _named(
+    one: Consistency,
+    t: FloatArray,
+    channels: Mapping[str, FloatArray],
+    noise: Mapping[str, Noise],
+    omega: float,
+    windows: _Windows,
+) -> Consistency:
+    """The same, unless the two agree by each other's names."""
+    if abs(math.log(abs(one.gain.value or 1.0))) < _OTHERWISE:
+        return one
+    a, b = one.pair
+    series, errors = {a: channels[b], b: channels[a]}, {a: noise[b], b: noise[a]}
+    other = _pair(t, series, errors, omega, one.pair, one.offset.unit, windows)
+    gain, lag = other.gain.value or 0.0, other.lag.value or 0.0
+    if not other.related or max(abs(math.log(gain)), abs(lag) * omega) > _EXCHANGED:
+        return one
+    return replace(
+        one, sentence=f"{_NAMES[a]} and {_NAMES[b]} agree if each is what the other is called", exchanged=True
+    )
 
 
 def _refused(pair: tuple[str, str], unit: str, why: str, consistent: bool) -> Consistency:
@@ -261,10 +293,13 @@ def _judged(pair: tuple[str, str], found: tuple[Quantity, Quantity, Quantity], r
         opposite = " (they move against each other)" if value < 0.0 else ""
         sentence = f"{second} and {first} do not belong together{opposite}"
         return Consistency(pair, gain, lag, offset, False, False, sentence, mirrored)
-    factor = next((text for f, text in _UNITS.items() if abs(math.log(max(value, 1e-300) / f)) < _A_UNIT), None)
-    if factor is not None:
-        sentence = f"{second} does not match {first} by a factor of about {factor}; are the units right?"
-        return Consistency(pair, gain, lag, offset, True, False, sentence, other_unit=True)
+    unit = next((told for f, told in _UNITS.items() if abs(math.log(max(value, 1e-300) / f)) < _A_UNIT), None)
+    if unit is not None:
+        times, at, word = unit
+        channel = {"first": pair[0], "second": pair[1]}.get(at, at)
+        likelier = channel, f"{word}{_A_TIME.get(channel, '') if word != 'g' else ''}"
+        sentence = f"{second} is about {times} times what {first} says, as where {' is in '.join(likelier)}"
+        return Consistency(pair, gain, lag, offset, True, False, sentence, likelier=likelier)
     small = f" ({1.0 / value:.4g} times too small)" if value < 1.0 / _FAR else ""
     times = f"is {value:.4g} times what {first} says{small}"
     if f"{value:.4g}" == "1":

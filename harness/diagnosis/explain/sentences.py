@@ -45,11 +45,10 @@ _SURE = 0.99
 """Probability that is not told apart from certainty."""
 
 
-def sentence_of(outcome: Outcome, has: Sequence[str] = (), units: str = "") -> str:
+def sentence_of(outcome: Outcome, has: Sequence[str] = ()) -> str:
     """The verdict in two sentences at most, with numbers.
 
-    has : names of the terms that the user's own simulation has, which it then does not lack. units : what looks wrong
-    with those of the channels, which is then the likelier reason for a misfit that nothing explains.
+    has : names of the terms that the user's own simulation has, which it then does not lack.
     """
     it, its = _recorded(outcome)
     mechanisms = outcome.mechanisms
@@ -69,8 +68,8 @@ def sentence_of(outcome: Outcome, has: Sequence[str] = (), units: str = "") -> s
         return f"{likely}: {_numbers(named[0])}.{_residual(outcome)}"
     if outcome.verdict == "one_of":
         return _one_of(outcome, words, share)
-    part = named[0] if named and named[0].grade is Grade.PART and not units else None
-    untold = f"Cannot tell what is missing: {_untold(outcome, words, share, units)}"
+    part = named[0] if named and named[0].grade is Grade.PART else None
+    untold = f"Cannot tell what is missing: {_untold(outcome, words, share)}"
     return untold if part is None else _beside_a_rest(part)
 
 
@@ -80,11 +79,9 @@ def _beside_a_rest(part: Mechanism) -> str:
     return f"{said}. Every stretch held out is predicted better with it; the rest is unexplained."
 
 
-def _untold(outcome: Outcome, words: Sequence[str], share: str, units: str) -> str:
+def _untold(outcome: Outcome, words: Sequence[str], share: str) -> str:
     """What is known where nothing is named for sure."""
     most = "no term of the catalogue explains most of the misfit."
-    if units:
-        return f"{most} {_capital(units)}"
     if INTEGRATED in outcome.rules:
         few = f"less than {100.0 * INTEGRATED.value:g} % of it"
         return f"this trace has no noise, and viscous and Coulomb friction leave {few}, no more than an integrator may."
