@@ -56,14 +56,19 @@ def parsed(path: Path) -> ast.Module:
 
 
 @functools.cache
+def nodes(path: Path) -> tuple[ast.AST, ...]:
+    """All of a file, walked once."""
+    return tuple(ast.walk(parsed(path)))
+
+
+@functools.cache
 def imports(path: Path, deep: bool = True) -> tuple[str, ...]:
     """Every module ``path`` imports, under TYPE_CHECKING too; only those at import time unless ``deep``."""
     return tuple(_imports(path, deep))
 
 
 def _imports(path: Path, deep: bool) -> Iterator[str]:
-    nodes = ast.walk(parsed(path)) if deep else _at_import(parsed(path))
-    for node in nodes:
+    for node in nodes(path) if deep else _at_import(parsed(path)):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -153,7 +158,7 @@ def test_packages_import_each_other_in_no_circle() -> None:
 def files(path: Path) -> set[Path]:
     """Files of ours that a file imports, wherever in it."""
     found = set()
-    for node in ast.walk(parsed(path)):
+    for node in nodes(path):
         module = node.module if isinstance(node, ast.ImportFrom) else None
         names = [alias.name for alias in node.names] if isinstance(node, ast.Import | ast.ImportFrom) else []
         for one in (f"{module}.{name}" if module else name for name in names):
@@ -206,7 +211,7 @@ def test_a_term_is_named_in_its_own_file_alone() -> None:
     found = []
     for path in FILES:
         if not name(path).startswith(NAMED_BY_DESIGN):
-            constants = (n.value for n in ast.walk(parsed(path)) if isinstance(n, ast.Constant))
+            constants = (n.value for n in nodes(path) if isinstance(n, ast.Constant))
             words = {value for value in constants if isinstance(value, str)}
             found += [f"{name(path)}: {word}" for word in sorted(words & own)]
     assert found == []

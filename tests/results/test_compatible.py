@@ -6,6 +6,7 @@ fields.json has the fields of every schema as they were published. What is added
 
 import json
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +37,7 @@ def fields(schema: Mapping[str, Any]) -> dict[str, list[str]]:
     }
 
 
+@cache
 def now() -> dict[str, dict[str, list[str]]]:
     return {name: fields(json.loads(generate.schema_text(name, model))) for name, model in generate.models().items()}
 
