@@ -23,6 +23,7 @@ from benchmarks.calibrate import (
     tables,
     taken,
     together,
+    unseen,
 )
 from benchmarks.calibrate.calibration import Calibration, measured
 from harness.core.errors import HarnessError, InputError
@@ -46,6 +47,7 @@ CALIBRATIONS: dict[str, Calibration] = {
     "colours": colours.CALIBRATION,
     "taken": taken.CALIBRATION,
     "posterior": posterior.CALIBRATION,
+    "unseen": unseen.CALIBRATION,
 }
 _OF_PLANT = {"tables": tables.of_plant}
 """Those that can be measured on recordings that are there."""

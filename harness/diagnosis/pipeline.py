@@ -39,7 +39,7 @@ from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.standard_errors import base_parameters
 from harness.diagnosis.grading.beginning import after_first_turn, from_the_beginning, from_within, with_second
 from harness.diagnosis.grading.clocks import off_the_clock, with_clock
-from harness.diagnosis.grading.contest import of_contest, of_search, probability
+from harness.diagnosis.grading.contest import of_contest, of_search, probability, ranked, with_unseen
 from harness.diagnosis.grading.grade import Graded, grade
 from harness.diagnosis.grading.misfit import misfit
 from harness.diagnosis.inverse_dynamics.prepare import as_it_acts, forces_together, with_covariates, with_unseen_mass
@@ -214,11 +214,13 @@ def explain(judged: Judged) -> Outcome:
     outcome = _said(judged) if judged.graded is None else _misfit_said(judged, judged.graded)
     graded = judged.graded or judged.found.by_force
     likely = of_search(judged.found.search) if graded is None else of_contest(graded)
+    if outcome.verdict in ("adequate", "unexplained"):
+        likely = with_unseen(likely)
     each = (
-        m if m.grade is Grade.TABULATED else replace(m, probability=probability(likely, m.name))
+        replace(m, probability=probability(likely, m.name)) if likely and m.grade is not Grade.TABULATED else m
         for m in outcome.mechanisms
     )
-    return replace(outcome, posterior=likely, mechanisms=tuple(each))
+    return replace(outcome, posterior=ranked(likely), mechanisms=tuple(each))
 
 
 def _said(judged: Judged) -> Outcome:

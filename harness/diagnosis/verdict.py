@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from harness.diagnosis.baseline.words import evidence, few_words, strokes_of, words_of
 from harness.diagnosis.fit.model_fit import Fit, LawNumber, of_laws
 from harness.diagnosis.grading.clocks import beat, unresolved
-from harness.diagnosis.grading.contest import Contest, of_search, probability
+from harness.diagnosis.grading.contest import Contest, by_evidence, probability
 from harness.diagnosis.grading.lone import next_best, stand_ins, undecided
 from harness.diagnosis.outcome import Grade, Verdict
 from harness.diagnosis.residual_tests.structure import UNNAMED, Left
@@ -70,7 +70,7 @@ def judge(found: Search, graded: Contest | None = None) -> Judgement:
         # a lone law that is not decided for is listed beside what could stand in its place, or with the next where it
         # is less likely than not
         entry = terms[0]
-        unlikely = bool(next_best(found)) and probability(of_search(found), entry.term.name) < MOST_LIKELY.value
+        unlikely = bool(next_best(found)) and probability(by_evidence(found), entry.term.name) < MOST_LIKELY.value
         if stand_ins(found, entry) or unlikely:
             return Judgement("one_of", chosen, (*gates, *tested, *listed))
         gates = (*gates, *listed, MOST_LIKELY)
@@ -117,11 +117,11 @@ def _unsure_beside_a_curve(found: Search) -> bool:
     """
     if found.problem.moves:
         return False
-    names, likely = key_of(found.chosen), of_search(found)
+    names, likely = key_of(found.chosen), by_evidence(found)
     if len(names) > 1:
-        return next((one.probability for one in likely if one.names == names), 0.0) < MAIN_FROM.value
+        return likely.get(names, 0.0) < MAIN_FROM.value
     p = probability(likely, *names)
-    unnamed = sum(h.probability for h in likely if UNNAMED in h.names and names[0] not in h.names)
+    unnamed = sum(one for of, one in likely.items() if UNNAMED in of and names[0] not in of)
     return p < MAIN_FROM.value and unnamed > 1.0 - p - unnamed
 
 

@@ -357,7 +357,11 @@ class DiagnosisResult(Paged):
     where: list[Where]
     mechanisms: list[MechanismResult]
     posterior: list[HypothesisResult] = Field(
-        default_factory=list, description="what may be missing, most likely first, down to a probability of .01"
+        default_factory=list,
+        description=(
+            "what may be missing, most likely first, down to a probability of .01; no names: nothing that has one. "
+            "All others share what is left of 1: one may be there, too weak to identify. Empty of a servo, of an arm"
+        ),
     )
     refined: FitResult
     remainder: RemainderResult | None = None

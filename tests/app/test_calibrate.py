@@ -12,7 +12,7 @@ from harness.diagnosis.rules import GAIN, RULES, SHARE_OF_EXCESS, Rule
 
 QUICK = (
     *("second-term", "screen-share", "few-cycles", "tables", "together", "colours", "taken"),
-    *("posterior", "force-posterior"),
+    *("posterior", "force-posterior", "unseen"),
 )
 """Those whose draw takes less than four seconds; the others take the same way."""
 SEED = 3

@@ -14,7 +14,15 @@ from benchmarks.calibrate.posterior import Row, fitted, said
 from harness.core.arrays import FloatArray
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.grading.clocks import beat
-from harness.diagnosis.grading.contest import Contest, Finalist, answered, shown_as_part, softmax
+from harness.diagnosis.grading.contest import (
+    Contest,
+    Finalist,
+    answered,
+    ranked,
+    shown_as_part,
+    softmax,
+    with_unseen,
+)
 from harness.diagnosis.grading.prediction import Predicted
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.problem import Problem
@@ -27,6 +35,7 @@ from harness.diagnosis.rules import (
     OF_LIST,
     POSTERIOR,
     TIMES_NEXT,
+    UNSEEN,
     Weights,
 )
 from harness.model.model import Model, ModelTerm
@@ -157,3 +166,14 @@ def test_a_driven_motion_has_a_clock_where_it_repeats_itself(
     about = 2.0 * np.pi / (period or 1.0)
     expected = 0.0 if period is None else 2.0 * np.pi / period
     assert beat(base, problem, about) == pytest.approx(expected, rel=0.02)
+
+
+def test_what_is_not_identified_takes_its_share_of_none_and_has_no_name() -> None:
+    before = {(): 0.9, ("stribeck",): 0.08, ("backlash",): 0.015, ("end-stop",): 0.005}
+    (none, first, *rest) = ranked(with_unseen(before))
+    assert (none.names, first.names) == ((), ("stribeck",))
+    assert none.probability / first.probability == pytest.approx(0.9 / 0.08)
+    # of an end stop one in two hundred is not worth a word
+    assert [one.names for one in rest] == [("backlash",)]
+    left_open = 1.0 - sum(with_unseen(before).values())
+    assert left_open == pytest.approx(UNSEEN.value * none.probability)

@@ -13,7 +13,7 @@ from harness.diagnosis.explain.sentences import sentence_of
 from harness.diagnosis.pipeline import diagnose, explain, fit_base, judge, prepare, search
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left
-from harness.diagnosis.rules import SECOND_TERM
+from harness.diagnosis.rules import NAMELESS, SECOND_TERM, UNSEEN
 from harness.diagnosis.search.search import Search
 from harness.diagnosis.stages import Found, Judged
 from harness.diagnosis.verdict import weighed
@@ -207,7 +207,22 @@ def test_few_cycles_with_an_unknown_zero_make_the_law_most_likely_and_name_the_r
     # a lone name is no list, and each name has its probability, which with that of none adds up to one
     assert (short.verdict == "one_of") is (len(short.mechanisms) > 1)
     assert sum(h.probability for h in short.posterior) == pytest.approx(1.0, abs=0.05)
+    # what explains it alone has no name as often as a rule says; that nothing is missing was refused
+    assert {h.names: h.probability for h in short.posterior}[()] == pytest.approx(NAMELESS.value)
     assert {h.names: h.probability for h in short.posterior}[("quadratic-drag",)] == short.mechanisms[0].probability
+
+
+@pytest.mark.parametrize("zero_free", [False, True])
+def test_that_nothing_is_missing_is_no_surer_than_what_cannot_be_seen_allows(zero_free: bool) -> None:
+    model = Model(1.0, 0.3, 40.0, 0.05, x0=0.1)
+    t = np.arange(0.0, 8.0, 0.01)
+    noisy = solve(model, t).x + np.random.default_rng(7).normal(0.0, 2e-4, t.size)
+    asked = Asked(restoring=Restoring.SPRING, zero_free=zero_free)
+    found = diagnose(prepare(Recording(t=t, channels={"x": noisy}, file="plain.csv"), asked)[0])
+    none = found.posterior[0]
+    assert (found.verdict, none.names) == ("adequate", ())
+    assert 0.5 < none.probability <= 1.0 / (1.0 + UNSEEN.value) + 1e-9
+    assert f"No missing physics (P {none.probability:.2f}): " in sentence_of(found)
 
 
 T = np.arange(0.0, 6.0, 0.02)

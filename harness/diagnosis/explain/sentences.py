@@ -119,12 +119,13 @@ def _enough(outcome: Outcome, it: str, its: str) -> str:
     friction = [q for name, q in outcome.base_parameters.items() if name in _FRICTION]
     if friction and all(q.value is not None and q.value <= _ERRORS * (q.stderr or 0.0) for q in friction):
         return "No missing physics is shown, nor any friction: its numbers are within two standard errors of zero."
+    p = next((f" (P {min(one.probability, _SURE):.2f})" for one in outcome.posterior if not one.names), "")
     if problem.looked_at is None:
-        return f"No missing physics: {explain}."
+        return f"No missing physics{p}: {explain}."
     speed, share = problem.looked_at
     slow = f"{speed:.2g} {unit_of('m/s', problem)}"
     return (
-        f"No missing physics above {slow}: {explain} at such speeds. What friction does below, beside reversals"
+        f"No missing physics above {slow}{p}: {explain} at such speeds. What friction does below, beside reversals"
         f" ({1.0 - share:.0%} of the time), was not looked at."
     )
 
@@ -135,6 +136,8 @@ def _one_of(outcome: Outcome, words: Sequence[str], share: str) -> str:
     either = f"{', '.join(words[:-1])} or {words[-1]}"
     names = f"{either}; {it} cannot distinguish them"
     likely = [m.probability for m in outcome.mechanisms if m.grade is Grade.ONE_OF and m.probability is not None]
+    if likely and likely[0] > MOST_LIKELY.value:
+        names = f"most likely {words[0]}; {it} cannot exclude {' or '.join(words[1:])}"
     together = min(sum(likely), _SURE)
     p = f" (together P {together:.2f})" if likely else ""
     left = outcome.remainder is not None
@@ -144,7 +147,7 @@ def _one_of(outcome: Outcome, words: Sequence[str], share: str) -> str:
     if left:
         return f"Dominant effect missing{p}: {names}. {_capital(first)}."
     others = "the other does" if len(words) == 2 else "the others do"
-    return f"Missing physics: {names}. {_capital(first)}, {others} nearly as well."
+    return f"Missing physics{p}: {names}. {_capital(first)}, {others} nearly as well."
 
 
 def _residual(outcome: Outcome) -> str:

@@ -34,6 +34,7 @@ from harness.diagnosis.rules import (
     MAIN_FROM,
     MOST_LIKELY,
     MOST_LISTED,
+    NAMELESS,
     NAMES,
     OF_LIST,
     PART_APART,
@@ -43,6 +44,7 @@ from harness.diagnosis.rules import (
     SHARE_OF_MISFIT,
     TAKEN,
     TIMES_NEXT,
+    UNSEEN,
     Rule,
     Weights,
 )
@@ -245,24 +247,62 @@ def _minor(found: C) -> C:
 
 _LEAST = 0.01
 """Probability below which a hypothesis is not given."""
+Likely = Mapping[tuple[str, ...], float]
+"""Probability of each hypothesis by its names, of which none has none."""
 
 
-def of_contest(found: Contest) -> tuple[Hypothesis, ...]:
-    """Which name is the main part of what is missing, most likely first."""
-    each = (Hypothesis((name,) if name else (), p) for name, p in found.posterior.items())
-    return tuple(one for one in each if one.probability >= _LEAST)
+def of_contest(found: Contest) -> Likely:
+    """Which name is the main part of what is missing."""
+    return {(name,) if name else (): p for name, p in found.posterior.items()}
 
 
-def of_search(found: Search) -> tuple[Hypothesis, ...]:
-    """Which model explains what was recorded, of those that were fitted, most likely first.
+def of_search(found: Search) -> Likely:
+    """Which model explains what was recorded, of those that were fitted; see ``by_evidence``.
+
+    What has more evidence than the model the search came to was refused, and is no likelier than that. Where laws
+    explain what the base does not, nothing of that is noise: beside small effects that nobody models a rule says how
+    likely it has no name.
+    """
+    likely, chosen = by_evidence(found, beyond_noise=True), key_of(found.chosen)
+    if not likely:
+        return {}
+    most = {names: likely[chosen] * NAMES ** (len(chosen) - len(names)) for names in likely}
+    believed = {names: p if UNNAMED in names else min(p, most[names]) for names, p in likely.items()}
+    if chosen and _counts_words(found):
+        named = sum(p for names, p in believed.items() if names)
+        believed[()] = NAMELESS.value / (1.0 - NAMELESS.value) * named
+    whole = sum(believed.values())
+    return {names: p / whole for names, p in believed.items()}
+
+
+def with_unseen(likely: Likely) -> Likely:
+    """The same beside a verdict that names nothing: an effect that has a name may be there.
+
+    It is too weak, or too unlike its law, and could have any name, so that no hypothesis has its probability.
+    """
+    whole = 1.0 + UNSEEN.value * likely.get((), 0.0)
+    return {names: p / whole for names, p in likely.items()}
+
+
+def ranked(likely: Likely) -> tuple[Hypothesis, ...]:
+    """Hypotheses that are worth a word, most likely first."""
+    each = (Hypothesis(names, p) for names, p in likely.items() if p >= _LEAST)
+    return tuple(sorted(each, key=lambda one: -one.probability))
+
+
+def by_evidence(found: Search, beyond_noise: bool = False) -> Likely:
+    """Which model explains what was recorded, of those that were fitted, each name being as likely before.
+
+    beyond_noise : of evidence in words, whether squares count beyond those that the chosen model leaves. A verdict is
+    to err on the side of the base, and counts all noise as misfit.
 
     Of a fitted force no evidence counts beyond that of the model the search came to: what has more was refused, since
     chance takes as much off a true model, or since it moves otherwise. Beside noise of a force each law has to take off
     what such noise may leave, before it counts. None where a model of sliding is found and what holds at rest is not.
     """
     if found.left is Left.NOISE and found.problem.holds(found.chosen.model) is not None:
-        return ()
-    gain = _gain(found)
+        return {}
+    gain = _gain(found, beyond_noise)
     best: dict[tuple[str, ...], float] = {(): gain(found.base)}
     ceiling = gain(found.chosen) if found.by_force else math.inf
     # a law that is bent beyond its name says nothing of that
@@ -280,13 +320,12 @@ def of_search(found: Search) -> tuple[Hypothesis, ...]:
     most = max(best.values())
     weight = {names: math.exp(0.5 * (size - most)) for names, size in best.items()}
     whole = sum(weight.values())
-    ranked = sorted(weight.items(), key=lambda one: -one[1])
-    return tuple(Hypothesis(names, w / whole) for names, w in ranked if w >= _LEAST * whole)
+    return {names: w / whole for names, w in weight.items()}
 
 
-def probability(of: tuple[Hypothesis, ...], name: str) -> float:
+def probability(of: Likely, name: str) -> float:
     """That a name is among what is missing, at most 1."""
-    return min(sum(one.probability for one in of if name in one.names), 1.0)
+    return min(sum(p for names, p in of.items() if name in names), 1.0)
 
 
 def _by_chance(fitted: Sequence[tuple[int, float]], spare: float) -> list[float]:
@@ -303,17 +342,33 @@ def _by_chance(fitted: Sequence[tuple[int, float]], spare: float) -> list[float]
     return given
 
 
-def _gain(found: Search) -> Callable[[Fit], float]:
+def _counts_words(found: Search) -> bool:
+    """Whether evidence counts words of a misfit and not samples: small effects that nobody models may be there.
+
+    Several amplitudes part a law from what these could do in its place.
+    """
+    problem = found.problem
+    return problem.moves and not found.by_force and problem.zero_free and not problem.parts_amplitude_from_time
+
+
+def _gain(found: Search, beyond_noise: bool) -> Callable[[Fit], float]:
     """Evidence of a fit over the base, twice a log likelihood."""
     base, problem = found.base, found.problem
     if not problem.moves:
         # beside a curve of any shape, to which the level of the noise is unknown as well
         words = float(problem.points - len(base.free))
         return lambda one: evidence(base.chi2, one.chi2, words, len(one.free) - len(base.free), 1.0)
-    # several amplitudes part a law from what small effects could do in its place
     if found.by_force:
         return lambda one: against(base, problem) - against(one, problem)
-    if not problem.zero_free or problem.parts_amplitude_from_time:
+    if not _counts_words(found):
         return lambda one: against(base, problem) - among_names(one, problem)
     words = words_beside(base, strokes_of(found.chosen, problem))
-    return lambda one: evidence(base.chi2, one.chi2, words, len(one.free) - len(base.free), 1.0)
+    if not beyond_noise:
+        return lambda one: evidence(base.chi2, one.chi2, words, len(one.free) - len(base.free), 1.0)
+
+    def speaks_against(one: Fit) -> float:
+        # noise is one a word, and what is left beyond it has no level that is known
+        left = max(one.chi2 - found.chosen.chi2, 0.0)
+        return words * math.log1p(left / words) + len(one.free) * math.log(problem.points)
+
+    return lambda one: speaks_against(base) - speaks_against(one)

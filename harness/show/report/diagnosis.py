@@ -71,7 +71,7 @@ def diagnosis_page(
         *([] if recording.steady else [seen.phase_plane(_places(result))]),
         _numbers(result),
         *([_own(result)] if result.own else []),
-        *([_evidence(result)] if result.mechanisms or len(result.posterior) > 1 else []),
+        *([_evidence(result)] if result.mechanisms or result.posterior else []),
         *_to_know(result),
     ]
     if told is not None and result.has_own_simulation and (change := to_change(told)):
@@ -355,7 +355,7 @@ def _held_out(result: DiagnosisResult) -> b.Text:
 
 def _evidence(result: DiagnosisResult) -> b.Section:
     """How likely each name is, and what speaks for it."""
-    blocks: list[b.Block] = [probabilities(result)] if len(result.posterior) > 1 else []
+    blocks: list[b.Block] = [probabilities(result)] if result.posterior else []
     if result.mechanisms:
         blocks += [] if result.laws else statements(result)
         asked: list[tuple[str, Callable[[MechanismResult], b.Shown]]] = [

@@ -250,14 +250,27 @@ class Curves:
         return Section(title, [Figure("plane", traces, layout, " ".join([caption, *places]), "", 430)])
 
 
+_LEAST_PERCENT = 1.0
+"""Probability below which hypotheses are not given one by one."""
+_UNIDENTIFIED = "An effect too weak, or too unlike its law, to identify could have any of the names."
+
+
 def probabilities(result: DiagnosisResult) -> Figure:
     """What may be missing, and how likely that is."""
-    none = "nothing" if result.verdict == "adequate" else "none of these"
+    none = "nothing" if result.verdict == "adequate" else "no single name"
     labels = [" and ".join(one.names) or none for one in result.posterior]
     chosen = {mechanism.name for mechanism in result.mechanisms}
     colors = [AFTER if chosen.intersection(one.names) else _GREY for one in result.posterior]
     percent = [100.0 * one.probability for one in result.posterior]
-    return _percents("posterior", labels, percent, colors, "probability that it is missing / %", "")
+    rest = 100.0 - sum(percent)
+    if rest >= _LEAST_PERCENT:
+        labels, colors, percent = (
+            [*labels, f"others, each below {_LEAST_PERCENT:g} %"],
+            [*colors, _GREY],
+            [*percent, rest],
+        )
+    caption = _UNIDENTIFIED if result.verdict in ("adequate", "unexplained") else ""
+    return _percents("posterior", labels, percent, colors, "probability that it is missing / %", caption)
 
 
 def nameless(result: DiagnosisResult) -> Section:
