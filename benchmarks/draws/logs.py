@@ -15,6 +15,7 @@ from harness.core.recording import Recording
 from harness.core.slider import Slider
 from harness.exact.decay import Decay, free_decay
 from harness.robot.whole_arm.columns import PAYLOAD
+from harness.robot.whole_arm.perturb import called, loaded_bodies
 from harness.robot.whole_arm.whole import whole_arm
 
 _STEP = 1e-3
@@ -125,12 +126,16 @@ def wrapped(seed: int, number: int) -> Answer:
 
 
 def loads(seed: int, number: int) -> Answer:
-    """An arm in closed loop that carries what its user does not say: right where that is told within a twentieth."""
+    """An arm in closed loop that carries what its user does not say, on one of its last three bodies in turn: right
+    where that is told within a twentieth, and where it sits.
+    """
     r = np.random.default_rng([seed, number, 79])
     kg, beside = log_uniform(r, 0.5, 5.0), r.uniform(-0.1, 0.1, 3)
-    one = clean(seed, number, ("mujoco", "sticking")[number % 2], kg, beside)
+    one = clean(seed, number, ("mujoco", "sticking")[number % 2], kg, beside, number % 3)
+    on = called(one.arm, loaded_bodies(one.arm, 1 + number % 3)[-1]) if number % 3 else "at the end"
     found = whole_arm(one.log, one.arm)
     named = [name for name, _ in found.named]
     mass = [v.value for e in found.model if PAYLOAD in named for what, v in e.parameters if what == "mass"]
     near = bool(mass) and mass[0] is not None and abs(mass[0] - kg) <= 0.05 * kg
-    return Answer(named == [PAYLOAD] and near, f"{named}, {mass} of {kg:.3g} kg")
+    there = any(f" {on} " in e.statement for e in found.model)
+    return Answer(named == [PAYLOAD] and near and there, f"{named}, {mass} of {kg:.3g} kg {on}")

@@ -22,7 +22,7 @@ from harness.core.arrays import FloatArray
 from harness.core.robot import JointLog
 from harness.robot.arm import Arm
 from harness.robot.replay.as_urdf import of_model
-from harness.robot.whole_arm.perturb import with_load
+from harness.robot.whole_arm.perturb import loaded_bodies, with_load
 
 BRISTLE = 2e-5
 """rad."""
@@ -218,16 +218,19 @@ class Clean:
     said: str
 
 
-def clean(seed: int, number: int, kind: str, kg: float = 0.0, beside: FloatArray | None = None) -> Clean:
+def clean(
+    seed: int, number: int, kind: str, kg: float = 0.0, beside: FloatArray | None = None, inwards: int = 0
+) -> Clean:
     """The clean log of this number; the torque has noise of 1 % in one of two, and is rounded as a bus does.
 
-    kg, beside (3,), m : of a load that the arm carries beside its last body's centre of mass, unknown to its user.
+    kg, beside (3,), m : of a load that the arm carries beside a body's centre of mass, unknown to its user; inwards :
+    how many joints before its last one that is.
     """
     rng = np.random.default_rng((seed, number, KINDS.index(kind)))
     arm = seven_joints(0.0 if kind == "pybullet" else 0.1)
     plant = Plant.drawn(rng, arm)
     if kg > 0.0:
-        plant = replace(plant, arm=with_load(arm, kg, beside))
+        plant = replace(plant, arm=with_load(arm, kg, beside, loaded_bodies(arm, inwards + 1)[-1]))
     motion = Motion.drawn(rng, fast=bool(rng.integers(2)))
     if kind == "pybullet":
         # its joints' damping is explicit, and runs away from twice the inertia a step on

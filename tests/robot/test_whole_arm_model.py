@@ -40,7 +40,16 @@ from harness.robot.whole_arm.columns import (
     WHICH_IS_LATE,
     ZERO,
 )
-from harness.robot.whole_arm.perturb import moving_bodies, tilted, with_load, with_mass, with_zeros, without_armature
+from harness.robot.whole_arm.perturb import (
+    called,
+    loaded_bodies,
+    moving_bodies,
+    tilted,
+    with_load,
+    with_mass,
+    with_zeros,
+    without_armature,
+)
 from harness.robot.whole_arm.result import Entry, Grade, WholeArm
 from harness.robot.whole_arm.turning import BACKLASH, PRESLIDING, STATIC, bristles
 from harness.robot.whole_arm.whole import whole_arm
@@ -72,6 +81,22 @@ def test_a_load_at_the_end_is_a_pair_with_the_last_link_and_its_place_is_found()
     assert moments == pytest.approx([0.14, -0.168, 0.28], abs=0.005)
     assert "last link" in told.statement
     friction_is_right(found)
+
+
+@pytest.mark.parametrize("inwards", [1, 2])
+def test_a_load_on_an_earlier_body_is_told_with_where_it_sits(inwards: int) -> None:
+    """A kilogram beside joint 7's axis, which does not turn with that joint, is no load at the end of the arm."""
+    plant, motion = machine(3)
+    body = loaded_bodies(arm(), inwards + 1)[-1]
+    wrong = replace(plant, arm=with_load(arm(), 1.0, np.array([0.05, -0.06, 0.08]), body))
+    found = whole_arm(log_of(wrong, motion), arm(), lowpass=LOWPASS)
+    (load,) = found.model
+    assert load.name == PAYLOAD
+    mass = dict(load.parameters)["mass"]
+    assert mass.value == pytest.approx(1.0, abs=0.01)
+    assert f"more on {called(arm(), body)} than the model has" in load.statement
+    friction = np.array([[j.coulomb.value, j.viscous.value] for j in found.joints], dtype=np.float64)
+    assert np.max(np.abs(friction / np.stack((plant.coulomb, plant.viscous), axis=1) - 1.0)) < 0.05
 
 
 @pytest.mark.parametrize(("joint", "stiff"), [(1, 12.0), (3, -6.0)])

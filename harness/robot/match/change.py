@@ -11,7 +11,8 @@ from scipy.optimize import minimize_scalar
 from harness.core.arrays import FloatArray
 from harness.robot.arm import Arm
 from harness.robot.match.sampled import Sampled, fitted, unexplained
-from harness.robot.whole_arm.perturb import with_load
+from harness.robot.whole_arm.perturb import loaded_bodies, with_load
+from harness.robot.whole_arm.rules import LOADED
 
 _LOOKED_AT = 250
 """Samples that many changes are tried at."""
@@ -110,18 +111,26 @@ def _beside_friction(sampled: Sampled, known: FloatArray, columns: FloatArray) -
 
 
 def with_load_of(sampled: Sampled, arm: Arm) -> Arm | None:
-    """The arm with the load at its end that explains most of the torques; None where that would weigh nothing."""
+    """The arm with the load that explains most of the torques, on one of its last bodies; None where that would weigh
+    nothing.
+    """
     thin = _thin(sampled)
 
     def rigid(other: Arm) -> FloatArray:
         return np.add(*thin.rigid(other))
 
-    before, middle = rigid(arm), rigid(with_load(arm, _KG)) / _KG
-    moments = [(rigid(with_load(arm, _KG, _BESIDE * axis)) / _KG - middle) / _BESIDE for axis in np.eye(3)]
-    every = _beside_friction(thin, before, np.stack((middle - before / _KG, *moments), axis=2))
-    found = np.linalg.lstsq(every[:, 1:], every[:, 0], rcond=1e-8)[0]
-    kg = float(found[0])
-    return with_load(arm, kg, np.asarray(found[1:]) / kg) if kg > _LIGHTEST else None
+    before, best = rigid(arm), (math.inf, 0.0, np.zeros(3), 0)
+    for body in loaded_bodies(arm, int(LOADED.value)):
+        middle = rigid(with_load(arm, _KG, on=body)) / _KG
+        places = (with_load(arm, _KG, _BESIDE * axis, body) for axis in np.eye(3))
+        moments = [(rigid(one) / _KG - middle) / _BESIDE for one in places]
+        every = _beside_friction(thin, before, np.stack((middle - before / _KG, *moments), axis=2))
+        found = np.linalg.lstsq(every[:, 1:], every[:, 0], rcond=1e-8)[0]
+        left = float(np.sum((every[:, 0] - every[:, 1:] @ found) ** 2))
+        if left < best[0]:
+            best = left, float(found[0]), np.asarray(found[1:]), body
+    _, kg, moment, body = best
+    return with_load(arm, kg, moment / kg, body) if kg > _LIGHTEST else None
 
 
 def _thin(sampled: Sampled) -> Sampled:

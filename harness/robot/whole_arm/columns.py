@@ -19,13 +19,22 @@ from harness.model.terms import (
 )
 from harness.robot.arm import Arm
 from harness.robot.whole_arm.differentiate import Filtered
-from harness.robot.whole_arm.perturb import moving_bodies, tilted, with_load, with_mass, with_zeros
+from harness.robot.whole_arm.perturb import (
+    called,
+    loaded_bodies,
+    moving_bodies,
+    tilted,
+    with_load,
+    with_mass,
+    with_zeros,
+)
 from harness.robot.whole_arm.rules import (
     COVERED,
     DELAY_SPREAD,
     FASTEST_RIPPLE,
     GAIN_SPREAD,
     LOAD_SPREAD,
+    LOADED,
     MASS_SPREAD,
     MOMENT_SPREAD,
     SLOWEST_RIPPLE,
@@ -76,6 +85,7 @@ class Candidate:
     that this one is the best of, where it was chosen among them and polished. positive : the first number is above 0,
     or the effect is not what its name says. viscous : it stands in place of the joint's viscous friction. among : what
     a polished one was before. limits : between which its value may come out, by default the first and the last tried.
+    bodies : where a load may sit, by value; the first stands unless another is surely better.
     """
 
     name: str
@@ -91,6 +101,7 @@ class Candidate:
     viscous: bool = False
     among: "Candidate | None" = None
     limits: tuple[float, float] | None = None
+    bodies: tuple[int, ...] = ()
 
     @property
     def key(self) -> tuple[str, int | None]:
@@ -232,17 +243,25 @@ def model_candidates(
     def changed(other: Arm, step: float) -> FloatArray:
         return np.asarray((other.inverse(filtered.q, filtered.v, filtered.a) - rigid)[:, dofs] / step)
 
+    def loaded(body: int) -> FloatArray:
+        """Torque (m, k, 4) of a load on a body, by its mass and its moments."""
+        middle = changed(with_load(arm, _MODEL_STEP, on=body), _MODEL_STEP)
+        places = (with_load(arm, _MODEL_STEP, _BESIDE * axis, body) for axis in np.eye(3))
+        return np.stack((middle, *((changed(one, _MODEL_STEP) - middle) / _BESIDE for one in places)), axis=2)
+
     bodies = moving_bodies(arm)
     masses = np.stack([changed(with_mass(arm, body, 1.0 + _MODEL_STEP), _MODEL_STEP) for body in bodies], axis=2)
-    names = [(arm.model.body(body).name or f"body {body}", "1") for body in bodies]
+    names = [(called(arm, body), "1") for body in bodies]
     yield error(INERTIA, masses, MASS_SPREAD.value, *names)
     if not payload_known:
-        middle = changed(with_load(arm, _MODEL_STEP), _MODEL_STEP)
-        beside = [changed(with_load(arm, _MODEL_STEP, _BESIDE * axis), _MODEL_STEP) - middle for axis in np.eye(3)]
-        columns = np.stack((middle, *(c / _BESIDE for c in beside)), axis=2)
+        on = loaded_bodies(arm, int(LOADED.value))
+        columns = [loaded(body) for body in on]
         moments = [(f"moment {axis}", "kg m") for axis in "xyz"]
         spread = [LOAD_SPREAD.value, *[MOMENT_SPREAD.value] * 3]
-        yield error(PAYLOAD, columns, spread, ("mass", "kg"), *moments)
+        load = error(PAYLOAD, columns[0], spread, ("mass", "kg"), *moments)
+        by_body = [{j: one[:, j].copy() for j in range(dofs.size)} for one in columns]
+        values = tuple(float(i) for i in range(len(on)))
+        yield replace(load, torque=lambda i: by_body[int(i)], values=values, smooth=False, bodies=on)
     turned = np.stack([changed(tilted(arm, _TURN, axis), _TURN) for axis in (0, 1)], axis=2)
     if np.max(np.abs(turned)) > _NOTHING:
         yield error(TILT, turned, TILT_SPREAD.value, ("about x", "rad"), ("about y", "rad"))

@@ -16,6 +16,7 @@ from scipy.special import gammaincc, gammaln, ndtri_exp
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.fit.series import memory
 from harness.robot.whole_arm.columns import Candidate
+from harness.robot.whole_arm.rules import RIVAL
 
 _ORDER = 8
 """Of the autoregression: follows the fall of a filter's gain within a band of one and a half times its own."""
@@ -229,9 +230,9 @@ class Whitened:
         for first, block in _blocks(candidate, parts):
             kept = block if first == 0 else None
             if len(candidate.values) > 1:
-                (columns,) = block.values()
-                tried = columns[:, :, 0] if last is None else np.column_stack((last, columns[:, :, 0]))
-                tries, last = tries + looks(tried) - 1.0, columns[:, -1, 0]
+                columns = np.concatenate([one[:, :, 0] for one in block.values()])
+                tried = columns if last is None else np.column_stack((last, columns))
+                tries, last = tries + looks(tried) - 1.0, columns[:, -1]
         return cls(candidate, parts, kept, max(tries, candidate.looks))
 
     def blocks(self) -> Iterator[tuple[int, dict[int, FloatArray]]]:
@@ -379,8 +380,9 @@ class Design:
         spread = whitened.candidate.spread
         for first, block in whitened.blocks():
             gains = self._gains(block, spread, whitened.candidate.positive)
-            most = int(np.argmax(gains))
-            if gains[most] > gain:
+            least = RIVAL.value if whitened.candidate.bodies else 0.0
+            most = int(np.argmax(gains >= np.max(gains) - least))
+            if gains[most] > gain + least * (first > 0):
                 gain, best = float(gains[most]), first + most
         if gain <= 0.0:
             return Named(whitened)

@@ -43,9 +43,25 @@ def with_mass(arm: Arm, body: int, factor: float) -> Arm:
     return _settled(arm, model)
 
 
-def with_load(arm: Arm, kg: float, beside: FloatArray | None = None) -> Arm:
-    """The arm with a point mass on its last body, at the body's centre of mass or ``beside`` it (3,), m."""
-    model, body = copy.copy(arm.model), last_body(arm)
+def called(arm: Arm, body: int) -> str:
+    """A body's name, or its number where it has none."""
+    return str(arm.model.body(body).name) or f"body {body}"
+
+
+def loaded_bodies(arm: Arm, most: int) -> tuple[int, ...]:
+    """Bodies with mass that may carry a load, the last one first: of those that turn together the nearest to it."""
+    found, model = [last_body(arm)], arm.model
+    above = int(model.body_parentid[found[0]])
+    while above and len(found) < most:
+        if _joints_below(model, above) < _joints_below(model, found[-1]) and above in moving_bodies(arm):
+            found.append(above)
+        above = int(model.body_parentid[above])
+    return tuple(found)
+
+
+def with_load(arm: Arm, kg: float, beside: FloatArray | None = None, on: int | None = None) -> Arm:
+    """The arm with a point mass on a body, by default its last: at its centre of mass, or ``beside`` that (3,), m."""
+    model, body = copy.copy(arm.model), last_body(arm) if on is None else on
     mass, centre = float(model.body_mass[body]), np.array(model.body_ipos[body])
     at = centre if beside is None else centre + beside
     axes = _axes(model, body)

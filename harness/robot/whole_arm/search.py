@@ -231,7 +231,7 @@ def _search(problem: Problem, candidates: Sequence[Candidate], forced: Sequence[
     """
     parts, t = problem.parts, problem.filtered.t
     whitened = {candidate.key: Whitened.of(candidate, parts) for candidate in candidates}
-    chosen = [replace(one, whitened=whitened[one.candidate.key], setting=0) for one in forced]
+    chosen = [replace(one, whitened=whitened[one.candidate.key]) for one in forced]
     if not any(one.candidate.key == _SHARED_DELAY for one in chosen):
         chosen.insert(0, Named(Whitened.of(_within_a_sample(problem), parts)))
     always, design = len(chosen), Design(parts, chosen)
@@ -444,8 +444,8 @@ def _corrected(arm: Arm, applied: dict[str, FloatArray], forced: Sequence[Named]
             shift = np.zeros(len(arm.joints))
             shift[[arm.index(name) for name, _ in one.candidate.numbers]] = applied[ZERO]
             arm = with_zeros(arm, shift)
-    if (load := applied.get(PAYLOAD)) is not None and load[0] > 0.0:
-        arm = with_load(arm, float(load[0]), load[1:] / float(load[0]))
+        if one.candidate.name == PAYLOAD and (load := applied[PAYLOAD])[0] > 0.0:
+            arm = with_load(arm, float(load[0]), load[1:] / float(load[0]), one.candidate.bodies[one.setting])
     if (turn := applied.get(TILT)) is not None:
         arm = tilted(tilted(arm, float(turn[0]), 0), float(turn[1]), 1)
     late = applied.get(DELAY)

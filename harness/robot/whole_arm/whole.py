@@ -37,7 +37,7 @@ from harness.robot.whole_arm.columns import (
 )
 from harness.robot.whole_arm.curve import curves
 from harness.robot.whole_arm.design import Design, Named, Whitened
-from harness.robot.whole_arm.perturb import with_load, without_armature
+from harness.robot.whole_arm.perturb import called, with_load, without_armature
 from harness.robot.whole_arm.result import Entry, Grade, JointFriction, Left, WholeArm, identifiable
 from harness.robot.whole_arm.rules import (
     EXPLAINED,
@@ -74,7 +74,7 @@ _SAID = {
     STATIC: "Friction is higher at the moment of reversal: by {0}, below {1}.",
     BACKLASH: "After a reversal the load is missing: {0} of it.",
     INERTIA: "Masses of the model are off, by shares of {all}",
-    PAYLOAD: "There is {0} more at the end of the arm than the model has",
+    PAYLOAD: "There is {0} more {place} than the model has",
     MOTOR: "The torque is scaled: by {0} more than it says",
     DELAY: "The torque is late by {0}",
     SENSOR: "The sensor does not see the rotors: {0} of their inertia is missing in the torque",
@@ -306,7 +306,8 @@ class _Told:
         """What was named beside friction."""
         candidate, first = one.candidate, self.solved.first
         (as_found,) = (c for c in first.candidates if c.key == candidate.key)
-        share = self._share(self.plain, Design(first.parts, [Named(Whitened.of(as_found, first.parts))]), first.parts)
+        alone = Named(Whitened.of(as_found, first.parts), one.setting)
+        share = self._share(self.plain, Design(first.parts, [alone]), first.parts)
         errors = self._errors(self.design.place(one))
         joint = None if candidate.joint is None else self.filtered.joints[candidate.joint]
         return self._entry(one, joint, self.solved.total(one), errors, share, None, *ERRORS[candidate.name])
@@ -343,7 +344,11 @@ class _Told:
             nearest = "the nearest of the values that were tried"
             found[what] = Quantity(one.value, None, self._unit(joint, unit), nearest)
         everything = ", ".join(f"{number} {value}" for number, value in found.items())
-        said = _SAID[name].format(*map(str, found.values()), all=everything)
+        place = "at the end of the arm"
+        if candidate.bodies and one.setting:
+            body = called(self.arm, candidate.bodies[one.setting])
+            place, partner, pair = f"on {body}", f"mass of {body}", f"extra mass on {body}"
+        said = _SAID[name].format(*map(str, found.values()), all=everything, place=place)
         if name in ERRORS:
             said += f" ({joint})" if joint else ""
             said += f", or it is the {partner}: no log of this kind can tell." if partner else "."
