@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.core.arrays import BoolArray, FloatArray, IntArray
+from harness.core.arrays import BoolArray, FloatArray, IntArray, read_only
 from harness.core.errors import SimulationError
 from harness.core.events import EventKind, Events, Mode
 from harness.core.jit import compiled
@@ -68,7 +68,7 @@ def force_noise(
     share = np.zeros(len(events))
     share[turns] = events.a_after[turns] / np.where(events.a_before[turns] == 0.0, math.inf, events.a_before[turns])
     moves = np.zeros((t.size - 1, 2, 4))
-    _moves(t, held, slips, pull, drag, push, events.t, events.kind, np.clip(share, 0.0, 1.0), moves)
+    _moves(read_only(t), held, slips, pull, drag, push, events.t, events.kind, np.clip(share, 0.0, 1.0), moves)
     # what went before tells nothing of a new start
     moves[np.flatnonzero(np.any(anew[1:] > 0.0, axis=1))] = 0.0
     found = ForceNoise(

@@ -150,8 +150,8 @@ def _asked(model: Model, path: Path, weight: FloatArray, by: Numbers = ()) -> tu
     size = int(np.count_nonzero(path.counts))
     force, partials = np.empty(size), np.empty((size, len(by)))
     by_blocks(
-        read_only(path.t), path.x - model.offset, path.v, path.a, inside, inside_by, model.m, weight, path.counts,
-        places, work, force, partials,
+        read_only(path.t), path.x - model.offset, read_only(path.v), read_only(path.a), inside, inside_by, model.m,
+        weight, path.counts, places, work, force, partials,
     )  # fmt: skip
     return force, partials
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
+from harness.core.arrays import FloatArray, read_only
 from harness.robot.servo.kernel import GAUSSIAN, NAMES, free_run
 
 
@@ -121,9 +121,10 @@ class Run:
     def simulated(self, values: Mapping[str, float], windows: list[tuple[int, int]]) -> FloatArray:
         """Positions (n,) by these numbers, window by window; as logged where no window is."""
         theta, found = numbers(values, self.kp), self.q.copy()
+        t, goal = read_only(self.t), read_only(self.goal)
         for first, last in windows:
             state = np.tile(self.start(first), 2)
-            free_run(theta, self.t, self.goal, self.volts, self.on, self.load, first, state, found[first:last])
+            free_run(theta, t, goal, self.volts, self.on, self.load, first, state, found[first:last])
         return found
 
 
