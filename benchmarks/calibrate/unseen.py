@@ -1,4 +1,4 @@
-"""What no evidence of a recording tells: how often an effect is there that is not identified, or that has no name.
+"""What no evidence of a recording tells: how often an effect is there that is not identified, or that is another.
 
 Recordings of five ways of the proof on all ways, half with nothing hidden, three eighths with an effect of a published
 form, an eighth with one of no family; its strength is as likely in each decade, from what cannot be seen to what is
@@ -17,10 +17,10 @@ import numpy as np
 
 from benchmarks.calibrate.calibration import Calibration, stands
 from harness.app.prove.blind_worker import answered
-from harness.diagnosis.rules import NAMELESS, UNSEEN
+from harness.diagnosis.rules import OTHER_FORM, UNSEEN
 from harness.proof.paths.forms import CURVE, DECAY, DOWN, SLOW, SWING
 from harness.proof.paths.made import CONTROL, FORM, UNKNOWN, forms_of, made, shapes_of
-from harness.proof.paths.score import found, is_hidden, paths
+from harness.proof.paths.score import WRONG, found, is_hidden, outcome, paths
 from harness.proof.tally import OURS
 
 WAYS = (DECAY, CURVE, SWING, DOWN, SLOW)
@@ -59,13 +59,14 @@ def said(rows: Sequence[Row]) -> Iterator[str]:
         yield f"{one.said:.2f} {one.held.value or 0.0:.2f} of {one.held.cases}"
     yield f"expected calibration error {error.as_dict()['value'] or 0.0:.3f}"
     unnamed = [is_hidden(row.truth) for row in rows if row.verdict["verdict"] in ("adequate", "unexplained")]
-    named = [is_hidden(row.truth) for row in rows if row.verdict["verdict"] in ("missing_physics", "one_of")]
     share = UNSEEN.value / (1.0 + UNSEEN.value)
     why = f"of {len(unnamed)} verdicts that name nothing {sum(unnamed)} are of a recording that hides what has a name"
     yield stands(UNSEEN, _near(share, sum(unnamed), len(unnamed)), why)
-    nameless = len(named) - sum(named)
-    why = f"of {len(named)} that a law or one of a list explains {nameless} hide what has no name"
-    yield stands(NAMELESS, _near(NAMELESS.value, nameless, len(named)), why)
+    named = [row for row in rows if row.verdict["verdict"] in ("missing_physics", "one_of")]
+    others = [one["probability"] for row in named for one in row.verdict["posterior"] if not one["names"]]
+    wrong = sum(outcome(row.truth, row.verdict) == WRONG for row in named)
+    why = f"of {len(named)} verdicts that name or list laws {wrong} are wrong, {sum(others):.1f} were to be"
+    yield stands(OTHER_FORM, abs(wrong - sum(others)) <= _ERRORS * math.sqrt(max(sum(others), 1.0)), why)
 
 
 def _near(share: float, hits: int, of: int) -> bool:

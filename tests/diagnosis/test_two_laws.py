@@ -13,7 +13,7 @@ from harness.diagnosis.explain.sentences import sentence_of
 from harness.diagnosis.pipeline import diagnose, explain, fit_base, judge, prepare, search
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left
-from harness.diagnosis.rules import NAMELESS, SECOND_TERM, UNSEEN
+from harness.diagnosis.rules import OTHER_FORM, SECOND_TERM, UNSEEN
 from harness.diagnosis.search.search import Search
 from harness.diagnosis.stages import Found, Judged
 from harness.diagnosis.verdict import weighed
@@ -207,8 +207,9 @@ def test_few_cycles_with_an_unknown_zero_make_the_law_most_likely_and_name_the_r
     # a lone name is no list, and each name has its probability, which with that of none adds up to one
     assert (short.verdict == "one_of") is (len(short.mechanisms) > 1)
     assert sum(h.probability for h in short.posterior) == pytest.approx(1.0, abs=0.05)
-    # what explains it alone has no name as often as a rule says; that nothing is missing was refused
-    assert {h.names: h.probability for h in short.posterior}[()] == pytest.approx(NAMELESS.value)
+    # nothing was refused: it is another effect, the less likely the more the law explains
+    other = {h.names: h.probability for h in short.posterior}[()]
+    assert other / (1.0 - other) == pytest.approx(OTHER_FORM.value / math.sqrt(short.base.chi2 - short.refined.chi2))
     assert {h.names: h.probability for h in short.posterior}[("quadratic-drag",)] == short.mechanisms[0].probability
 
 

@@ -34,9 +34,9 @@ from harness.diagnosis.rules import (
     MAIN_FROM,
     MOST_LIKELY,
     MOST_LISTED,
-    NAMELESS,
     NAMES,
     OF_LIST,
+    OTHER_FORM,
     PART_APART,
     PART_SPANS,
     SAME_CLOCK,
@@ -260,17 +260,18 @@ def of_search(found: Search) -> Likely:
     """Which model explains what was recorded, of those that were fitted; see ``by_evidence``.
 
     What has more evidence than the model the search came to was refused, and is no likelier than that. Where laws
-    explain what the base does not, nothing of that is noise: beside small effects that nobody models a rule says how
-    likely it has no name.
+    explain what the base does not, nothing of that is noise, but another effect in a form that the catalogue lacks may
+    look like them: what shapes it is a number more, known to one over the root of the squares that they explain.
     """
     likely, chosen = by_evidence(found, beyond_noise=True), key_of(found.chosen)
     if not likely:
         return {}
     most = {names: likely[chosen] * NAMES ** (len(chosen) - len(names)) for names in likely}
     believed = {names: p if UNNAMED in names else min(p, most[names]) for names, p in likely.items()}
-    if chosen and _counts_words(found):
+    if chosen and found.problem.moves:
+        explained = max(found.base.chi2 - found.chosen.chi2, 1.0)
         named = sum(p for names, p in believed.items() if names)
-        believed[()] = NAMELESS.value / (1.0 - NAMELESS.value) * named
+        believed[()] = OTHER_FORM.value / math.sqrt(explained) * named
     whole = sum(believed.values())
     return {names: p / whole for names, p in believed.items()}
 

@@ -257,7 +257,7 @@ _UNIDENTIFIED = "An effect too weak, or too unlike its law, to identify could ha
 
 def probabilities(result: DiagnosisResult) -> Figure:
     """What may be missing, and how likely that is."""
-    none = "nothing" if result.verdict == "adequate" else "no single name"
+    none = {"adequate": "nothing", "unexplained": "no single name"}.get(result.verdict, "none of these")
     labels = [" and ".join(one.names) or none for one in result.posterior]
     chosen = {mechanism.name for mechanism in result.mechanisms}
     colors = [AFTER if chosen.intersection(one.names) else _GREY for one in result.posterior]
