@@ -136,7 +136,8 @@ def _one_of(outcome: Outcome, words: Sequence[str], share: str) -> str:
     either = f"{', '.join(words[:-1])} or {words[-1]}"
     names = f"{either}; {it} cannot distinguish them"
     likely = [m.probability for m in outcome.mechanisms if m.grade is Grade.ONE_OF and m.probability is not None]
-    if likely and likely[0] > MOST_LIKELY.value:
+    surest = bool(likely) and likely[0] > MOST_LIKELY.value
+    if surest:
         names = f"most likely {words[0]}; {it} cannot exclude {' or '.join(words[1:])}"
     together = min(sum(likely), _SURE)
     p = f" (together P {together:.2f})" if likely else ""
@@ -147,7 +148,7 @@ def _one_of(outcome: Outcome, words: Sequence[str], share: str) -> str:
     if left:
         return f"Dominant effect missing{p}: {names}. {_capital(first)}."
     others = "the other does" if len(words) == 2 else "the others do"
-    return f"Missing physics{p}: {names}. {_capital(first)}, {others} nearly as well."
+    return f"Missing physics{p}: {names}. {_capital(first)}{'' if surest else f', {others} nearly as well'}."
 
 
 def _residual(outcome: Outcome) -> str:
