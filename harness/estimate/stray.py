@@ -47,6 +47,8 @@ _OTHERS, _BEYOND_OTHERS = 0.9, 3.0
 """Share of all samples that stray less, and how many times less: what is coarsely sampled is off everywhere."""
 _ENOUGH = 100_000
 """Samples that tell what the others are off."""
+_LONE = 1.0
+"""Times the range of its four neighbours by which a lone sample lies outside of it."""
 _TURNS = 4
 """How often is looked again: what strays hides what strays beside it."""
 _UNITS = {"x": ("m", "rad"), "v": ("m/s", "rad/s")}
@@ -70,7 +72,8 @@ def stray_in(recording: Recording, channels: Sequence[str]) -> tuple[dict[str, F
     for name in channels:
         if name in recording:
             t, y = recording.t, recording[name]
-            off = stray(t, y, channel_noise(t, y))
+            # what a lone sample that is far enough off makes of the noise would hide it
+            off = stray(t, y, channel_noise(t, without_spikes(y)))
             if off.any():
                 found[name] = off
                 notes.append(_said(name, t, off, _UNITS[name][recording.angular]))
@@ -83,6 +86,16 @@ def _said(name: str, t: FloatArray, off: FloatArray, unit: str) -> str:
     at = f"the first at t = {first:.6g} s" if many > 1 else f"at t = {first:.6g} s"
     stray = f"{many} samples of {name} stray" if many > 1 else f"1 sample of {name} strays"
     return f"{stray} from the motion {far} come{'' if many > 1 else 's'} back at once ({at}): skipped"
+
+
+def without_spikes(y: FloatArray) -> FloatArray:
+    """Samples (n,) that stray alone put between their neighbours: what lies far outside both sides of them."""
+    before, after = np.maximum(y[:-4], y[1:-3]), np.maximum(y[3:-1], y[4:])
+    top = np.maximum(before, after)
+    bottom = np.minimum(np.minimum(y[:-4], y[1:-3]), np.minimum(y[3:-1], y[4:]))
+    out, room = y.copy(), _LONE * (top - bottom)
+    out[2:-2] = np.where((y[2:-2] > top + room) | (y[2:-2] < bottom - room), 0.5 * (y[1:-3] + y[3:-1]), y[2:-2])
+    return out
 
 
 def stray(t: FloatArray, y: FloatArray, noise: Noise) -> FloatArray:

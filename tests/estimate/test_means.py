@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import harness
 from harness.app.shared.estimates import estimate
 from harness.app.shared.reading import averaged
 from harness.core.arrays import FloatArray
@@ -28,6 +29,21 @@ def test_a_long_recording_tells_as_much_as_its_samples() -> None:
         assert abs(one.value - true) < 4.0 * one.stderr
         assert one.stderr == pytest.approx(other.stderr / 4.0, rel=0.1)
     assert found.noise["a"].sigma == pytest.approx(0.3, rel=0.02)
+
+
+@pytest.mark.parametrize("far", [3.0, 1e3, 1e9])
+def test_however_far_a_sample_strays_the_motion_is_that_of_the_others(far: float) -> None:
+    """A dropped reading of 9999 m is no drift of a sensor, and hides itself in no noise."""
+    t = np.arange(0.0, 6.0, 0.004)
+    x = free_decay(Decay.of(PAPER, 1.0), t).x + np.random.default_rng(3).normal(0.0, 1e-4, t.size)
+    plain = harness.identify(Recording(t, {"x": x}))
+    strange = x.copy()
+    strange[200] += far
+    found = harness.identify(Recording(t, {"x": strange}))
+    assert any("1 sample of x strays" in line for line in found.warnings)
+    one, other = (each.estimates["displacement"].omega_n for each in (plain, found))
+    assert one.value is not None
+    assert other.value == pytest.approx(one.value, rel=1e-4)
 
 
 def test_a_sample_that_strays_in_a_long_recording_is_skipped() -> None:

@@ -14,11 +14,12 @@ from harness.core.arrays import FloatArray, IntArray
 from harness.diagnosis.motion import running
 from harness.estimate.means import in_means, is_dense
 from harness.estimate.noise import channel_noise
+from harness.estimate.stray import without_spikes
 
 _MOST = 1_000_000
 """Samples that are looked at one by one, for what jumps or strays."""
-_STRAYS, _FAR = 1.0, 0.5
-"""Times the range of its neighbours by which a sample strays; and of the whole range, from which a change is a jump."""
+_FAR = 0.5
+"""Of the whole range, from which a change is a jump."""
 _LOWEST, _BESIDE, _STANDS_OUT = 3, 48, 40.0
 """First frequency of a spectrum that is looked at, frequencies beside one, and times their median at which it is a
 swing's: the largest of 50,000 of noise is 16."""
@@ -67,12 +68,13 @@ class Series:
     @classmethod
     def of(cls, t: FloatArray, y: FloatArray) -> "Series":
         """Of a channel y (n,) at t (n,), s."""
+        y = without_spikes(y)
         noise = channel_noise(t, y)
         few = t.size // _MOST
         if few > 1 and is_dense(y, few):
             t, y = t[::few], y[::few]
         grid = np.linspace(t[0], t[-1], t.size)
-        even = _without_spikes(np.interp(grid, t, y))
+        even = np.interp(grid, t, y)
         jumps = _jumps(even)
         grid, even, noise = in_means(grid, even, noise)
         power, lag = _grows(even)
@@ -84,16 +86,6 @@ class Series:
         left = noise.sigma / math.sqrt(1.5 * width)
         lightly = running(even, width // 4 | 1)
         return cls(grid[::thin], smooth[::thin], lightly[::thin], left, power, _memory(even), jumps, swing is not None)
-
-
-def _without_spikes(y: FloatArray) -> FloatArray:
-    """Samples (n,) that stray alone put between their neighbours: what lies far outside both sides of them."""
-    before, after = np.maximum(y[:-4], y[1:-3]), np.maximum(y[3:-1], y[4:])
-    top = np.maximum(before, after)
-    bottom = np.minimum(np.minimum(y[:-4], y[1:-3]), np.minimum(y[3:-1], y[4:]))
-    out, room = y.copy(), _STRAYS * (top - bottom)
-    out[2:-2] = np.where((y[2:-2] > top + room) | (y[2:-2] < bottom - room), 0.5 * (y[1:-3] + y[3:-1]), y[2:-2])
-    return out
 
 
 def _line(y: FloatArray) -> float | None:
