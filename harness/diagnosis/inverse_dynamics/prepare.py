@@ -15,9 +15,8 @@ from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
 from harness.diagnosis.covariates.following import enter
 from harness.diagnosis.covariates.values import Acting, values_in
-from harness.diagnosis.fit.model_fit import HASTY
 from harness.diagnosis.fit.standard_errors import base_parameters
-from harness.diagnosis.inverse_dynamics.search import force_baseline, with_one_more
+from harness.diagnosis.inverse_dynamics.search import force_baseline, nearest
 from harness.diagnosis.prepare.driven import forced_problem
 from harness.diagnosis.prepare.free_decay import in_common
 from harness.diagnosis.prepare.intersample import ACTS_HELD, held
@@ -41,7 +40,7 @@ def as_it_acts(problem: InverseDynamics, u: FloatArray) -> tuple[InverseDynamics
     said: tuple[str, ...] = ()
     if of_held[0] < FORCE_HELD.value * left:
         problem, (left, after, without), said = stepped, of_held, (ACTS_HELD,)
-    if problem.guarded and without < FORCE_HELD.value * left:
+    if problem.by_noise and without < FORCE_HELD.value * left:
         late = after * float(np.median(np.diff(problem.t)))
         problem = replace(problem, drive=replace(problem.drive, t=problem.drive.t + late))
         said = (*said, f"the force acts {1e3 * late:.2g} ms after its stamps")
@@ -52,10 +51,9 @@ def _left(problem: InverseDynamics) -> tuple[float, float, float]:
     """Squares of the force that the base model leaves, N^2; by how many samples it acts later, one at most, and the
     squares that are left then."""
     seen, base = problem.measured, force_baseline(problem)[0]
-    late, left = seen.even(seen.late), seen.even(problem.rows["u"] - base.shown.y["u"])
-    size = float(late @ late)
-    after = min(max(float(late @ left) / size, -1.0), 1.0) if size > 0.0 else 0.0
-    return float(left @ left), after, float(np.sum((left - after * late) ** 2))
+    left = problem.rows["u"] - base.shown.y["u"]
+    after = min(max(seen.later(left), -1.0), 1.0)
+    return float(left @ left), after, float(np.sum((left - after * seen.late) ** 2))
 
 
 def with_covariates(
@@ -85,7 +83,7 @@ def with_unseen_mass(problem: InverseDynamics) -> InverseDynamics:
     a = float(np.sqrt(np.mean(measured.blocks(measured.a) ** 2)))
     if a <= 0.0:
         return problem
-    best = min((base, *with_one_more(scales, base, problem, HASTY)), key=lambda found: found.chi2)
+    best = nearest(base, problem, scales)
     mass = MASS_UNSEEN.value * float(np.sqrt(np.mean(best.residual**2))) / a
     if best.model.m >= mass:
         return problem

@@ -18,6 +18,7 @@ from functools import partial
 
 import numpy as np
 
+from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.base_fit import driven_scales
 from harness.diagnosis.fit.model_fit import HASTY, Fit, fit
@@ -25,7 +26,7 @@ from harness.diagnosis.fit.rmse import motion_followed
 from harness.diagnosis.fit.standard_errors import leading, unit_of
 from harness.diagnosis.inverse_dynamics.grade import ForceGraded, graded_by, starts, whole_in
 from harness.diagnosis.inverse_dynamics.left_over import LeftOver, beyond_chance, left_over
-from harness.diagnosis.inverse_dynamics.validate import Judge
+from harness.diagnosis.inverse_dynamics.validate import Judge, beyond_scatter
 from harness.diagnosis.parameters import base_of, free_of
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.driven import Driven
@@ -48,8 +49,6 @@ _LOOKED_AT = 5
 """Names that are extended by a further one."""
 _ROUNDS = 2
 """In which noise and the law beside it are found: under the noise that is found first another law may be nearer."""
-_BY_CHANCE = 2.0
-"""Standard errors within which misses of two motions are the same."""
 _FIRST_STEPS, _GO_ON = 3, 2
 """Steps after which of many starts of a law the best go on, and how many: most come to the same place."""
 
@@ -63,24 +62,28 @@ def force_baseline(problem: InverseDynamics) -> tuple[Fit, Scales]:
     return fit(problem.first, problem, free_of(problem.first, problem.base_names), scales), scales
 
 
+def nearest(base: Fit, problem: InverseDynamics, scales: Scales) -> Fit:
+    """The fit that leaves least of a force: the base model's, or one with one law more, hastily."""
+    return min((base, *with_one_more(scales, base, problem, HASTY)), key=lambda found: found.chi2)
+
+
 def under_noise(problem: Q) -> Q:
     """The problem with the noise of its sensors, as what the law leaves that says most of the force is likeliest with.
 
-    What a law that is missing leaves is no noise, nor is what smoothing rounds off: a problem in which reversals count,
-    or of several recordings, is given back as it is. Raises SimulationError when the base model cannot be fitted.
+    What a law that is missing leaves is no noise, nor is what smoothing rounds off: a problem that is not ``by_noise``
+    is given back as it is. Raises SimulationError when the base model cannot be fitted.
     """
-    if problem.alone or not problem.guarded:
+    if not problem.by_noise:
         return problem
-    scatter = channel_noise(problem.t, problem.drive.at(problem.t), rests=True)
+    measured, scatter = problem.measured, channel_noise(problem.t, problem.drive.at(problem.t), rests=True)
     own = scatter.sigma if scatter.found else 0.0
     for _ in range(_ROUNDS):
         base, scales = force_baseline(problem)
-        nearest = min((base, *with_one_more(scales, base, problem, HASTY)), key=lambda found: found.chi2)
-        left = problem.measured.even(problem.rows["u"] - nearest.shown.y["u"])
-        late = problem.measured.even(problem.measured.late)
-        left = left - late * (late @ left) / max(float(late @ late), 1e-300)
-        noise = ForceCovariance.likeliest(problem.measured, base.model, left, own)
-        problem = replace(problem, covariance=noise)
+        left = problem.rows["u"] - nearest(base, problem, scales).shown.y["u"]
+        left = left - measured.later(left) * measured.late
+        if not np.any(left):
+            break
+        problem = replace(problem, covariance=ForceCovariance.likeliest(measured, base.model, left, own))
     return problem
 
 
@@ -224,19 +227,16 @@ def _predicts(found: Fit, base: Fit, problem: InverseDynamics) -> bool:
     What is not known of the force between its samples moves both astray: by how much the misses differ from window to
     window says what that alone makes of their difference.
     """
+    missed, usual = (_misses(one, problem) for one in (found, base))
+    worse = np.sum(missed) > PREDICTS_WORSE.value**2 * np.sum(usual)
+    return not worse or (missed.size > 1 and not beyond_scatter(missed - usual))
+
+
+def _misses(found: Fit, problem: InverseDynamics) -> FloatArray:
+    """Squares (k,) that a model's own motion misses of each window's position, or speed where there is none."""
     channel = "x" if "x" in problem.channels else "v"
-    seen, windows = problem.channels[channel], problem.starts.windows
-    missed, usual = (
-        np.array(
-            [float(np.sum((seen[w.start : w.stop] - one.shown.y[channel][w.start : w.stop]) ** 2)) for w in windows]
-        )
-        for one in (found, base)
-    )
-    more = missed - usual
-    return bool(
-        np.sum(missed) <= PREDICTS_WORSE.value**2 * np.sum(usual)
-        or np.sum(more) <= _BY_CHANCE * math.sqrt(float(np.sum((more - np.mean(more)) ** 2)))
-    )
+    left = (problem.channels[channel] - found.shown.y[channel]) ** 2
+    return np.array([float(np.sum(left[w.start : w.stop])) for w in problem.starts.windows])
 
 
 def _moves(found: Fit, least: float, problem: InverseDynamics, scales: Scales) -> bool:

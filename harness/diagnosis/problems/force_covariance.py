@@ -7,7 +7,7 @@ nothing is known but how large it is.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import LinAlgError, cholesky_banded, solve_banded
@@ -31,15 +31,13 @@ _ENDS = {"xatol": 0.02, "fatol": 0.1, "maxfev": 120}
 class ForceCovariance:
     """What the noise of a force that is asked of a motion consists of.
 
-    m, c, k : of the base model that asks for it. motion : noise of the position, m, or of the speed, m/s, that is
+    base : the model that asks for it. motion : noise of the position, m, or of the speed, m/s, that is
     differentiated. force : of the recorded force, N. left : N, of means over blocks, what remains, the same everywhere.
     sensors : N, deviation of most means by the noise of the motion and all scatter of the force. usual : N, by what
     there is of each, of which others are multiples.
     """
 
-    m: float
-    c: float
-    k: float
+    base: Model
     motion: float
     force: float
     left: float
@@ -53,8 +51,7 @@ class ForceCovariance:
         A force that scatters may be a controller's own, which the slider has felt, and a position finer than any noise
         that is looked for: what neighbouring means have in common tells either.
         """
-        found = cls(base.m, base.c, base.k, 1.0, 1.0, 0.0, 0.0, 1.0)
-        of_motion, of_force = found._parts(seen)
+        of_motion, of_force = _of_units(seen, base)
         size = math.sqrt(float(np.mean(residual**2)))
         units = size / np.sqrt([float(np.median(one.diagonal())) for one in (of_motion, of_force)])
 
@@ -79,28 +76,27 @@ class ForceCovariance:
         usual = math.sqrt(float(np.median(bands(powers)[0])))
         most = motion**2 * of_motion.diagonal() + scatter**2 * of_force.diagonal()
         sensors = math.sqrt(float(np.median(most)))
-        return replace(found, motion=motion, force=force, left=left, sensors=sensors, usual=usual)
+        return cls(base, motion, force, left, sensors, usual)
 
     def factor(self, seen: Measured) -> FloatArray:
         """Lower Cholesky factor over the blocks that count, by diagonals, in units of the usual deviation."""
-        motion, force = self._parts(seen)
-        return np.asarray(cholesky_banded(_bands(motion + force, self.left) / self.usual**2, lower=True))
-
-    def _parts(self, seen: Measured) -> tuple[csr_array, csr_array]:
-        """By the noise of the motion and of the recorded force, over the blocks that count, N^2."""
-        smooth, slope, same = _smoothing(seen.half), _slope(seen.t), eye_array(seen.t.size)
-        mean = _means(seen.t.size, seen.moving)
-        if seen.by == "v":
-            asked = mean @ smooth @ (self.m * slope + self.c * same)
-        else:
-            asked = mean @ smooth @ (self.m * (slope @ slope) + self.c * slope + self.k * same)
-        felt = mean @ smooth
-        return csr_array(self.motion**2 * (asked @ asked.T)), csr_array(self.force**2 * (felt @ felt.T))
+        of_motion, of_force = _of_units(seen, self.base)
+        bands = _bands(self.motion**2 * of_motion + self.force**2 * of_force, self.left)
+        return np.asarray(cholesky_banded(bands / self.usual**2, lower=True))
 
 
 def white(factor: FloatArray, values: FloatArray) -> FloatArray:
     """Values (m,) or (m, q) through the inverse of a factor."""
     return np.asarray(solve_banded((factor.shape[0] - 1, 0), factor, values))
+
+
+def _of_units(seen: Measured, base: Model) -> tuple[csr_array, csr_array]:
+    """Covariances (m, m) of the means that count of the force that a base model asks for: by noise of unit variance of
+    the position, or speed, that is differentiated, and of the recorded force."""
+    mean, slope, same = _means(seen.moving, seen.half), _slope(seen.t), eye_array(seen.t.size)
+    of_speed = base.m * slope + base.c * same
+    asked = mean @ (of_speed if seen.by == "v" else of_speed @ slope + base.k * same)
+    return csr_array(asked @ asked.T), csr_array(mean @ mean.T)
 
 
 def _bands(covariance: csr_array, left: float) -> FloatArray:
@@ -137,7 +133,8 @@ def _slope(t: FloatArray) -> csr_array:
     return csr_array(diags_array([-step[1:], step[:-1]], offsets=[-1, 1]))
 
 
-def _means(n: int, counts: BoolArray) -> csr_array:
-    """Over those of the blocks (b,) of n samples that count, (m, n)."""
-    at, block = np.arange(n), n // counts.size
-    return csr_array((np.full(n, 1.0 / block), (at // block, at)), shape=(counts.size, n))[np.flatnonzero(counts)]
+def _means(counts: BoolArray, half: IntArray) -> csr_array:
+    """What is smoothed, as means over those of its blocks (b,) that count, (m, n)."""
+    at, block = np.arange(half.size), half.size // counts.size
+    mean = csr_array((np.full(half.size, 1.0 / block), (at // block, at)), shape=(counts.size, half.size))
+    return mean[np.flatnonzero(counts)] @ _smoothing(half)

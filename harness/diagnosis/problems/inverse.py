@@ -81,10 +81,9 @@ class InverseDynamics(Forced):
         """Over the level of its recording, in ``unit``s: what is left stays coloured.
 
         A force acts, or was measured, up to a sample before or after its stamp: what that makes of it is noise of one
-        shape. Where reversals count, what smoothing rounds off of them looks like it, and is not; of several recordings
-        each has its force as it acts.
+        shape.
         """
-        if not self.guarded or self.alone:
+        if not self.by_noise:
             return {"u": self.measured.even(values["u"]) * self.unit}
         even, late = self._white(self.measured.even(values["u"])), self._later
         size = float(late @ late)
@@ -92,6 +91,15 @@ class InverseDynamics(Forced):
             share = 1.0 - 1.0 / math.sqrt(1.0 + size * self.precision**2)
             even = even - np.multiply.outer(late, share / size * (late @ even))
         return {"u": even * self.unit}
+
+    @property
+    def by_noise(self) -> bool:
+        """Whether what its sensors' noise makes of a force weighs it.
+
+        Where reversals count, what smoothing rounds off of them looks like noise, and is none; of several recordings,
+        each has a level of its own.
+        """
+        return self.guarded and not self.alone
 
     @property
     def _later(self) -> FloatArray:
