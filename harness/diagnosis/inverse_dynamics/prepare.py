@@ -30,30 +30,19 @@ from harness.model.model import Restoring
 
 
 def as_it_acts(problem: InverseDynamics, u: FloatArray) -> tuple[InverseDynamics, tuple[str, ...]]:
-    """The problem with its force u (n,) acting when the base model says that it does, and sentences that say so.
+    """The problem with its force u (n,) held, and a sentence that says so, where the base model leaves less of it so.
 
-    One that is held acts half an interval late on average, as a whole; one that was measured before its stamp, or after
-    it, acts early or late by any part of one. Raises SimulationError where little moves.
+    Raises SimulationError where little moves.
     """
     stepped = replace(problem, drive=held(problem.t, u))
-    (left, after, without), of_held = _left(problem), _left(stepped)
-    said: tuple[str, ...] = ()
-    if of_held[0] < FORCE_HELD.value * left:
-        problem, (left, after, without), said = stepped, of_held, (ACTS_HELD,)
-    if problem.by_noise and without < FORCE_HELD.value * left:
-        late = after * float(np.median(np.diff(problem.t)))
-        problem = replace(problem, drive=replace(problem.drive, t=problem.drive.t + late))
-        said = (*said, f"the force acts {1e3 * late:.2g} ms after its stamps")
-    return problem, said
+    if _left(stepped) < FORCE_HELD.value * _left(problem):
+        return stepped, (ACTS_HELD,)
+    return problem, ()
 
 
-def _left(problem: InverseDynamics) -> tuple[float, float, float]:
-    """Squares of the force that the base model leaves, N^2; by how many samples it acts later, one at most, and the
-    squares that are left then."""
-    seen, base = problem.measured, force_baseline(problem)[0]
-    left = problem.rows["u"] - base.shown.y["u"]
-    after = min(max(seen.later(left), -1.0), 1.0)
-    return float(left @ left), after, float(np.sum((left - after * seen.late) ** 2))
+def _left(problem: InverseDynamics) -> float:
+    """Sum of squares of the force that the base model leaves, N^2."""
+    return float(np.sum((problem.rows["u"] - force_baseline(problem)[0].shown.y["u"]) ** 2))
 
 
 def with_covariates(

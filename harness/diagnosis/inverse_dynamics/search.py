@@ -34,7 +34,15 @@ from harness.diagnosis.problems.force_covariance import ForceCovariance
 from harness.diagnosis.problems.inverse import InverseDynamics, Q
 from harness.diagnosis.problems.simulated import COARSE, observe
 from harness.diagnosis.residual_tests.structure import Left
-from harness.diagnosis.rules import AMONG_NAMES, DECISIVE, MOST_FORCE_TERMS, MOVES, PREDICTS_WORSE, SHOWN_BY_FORCE
+from harness.diagnosis.rules import (
+    AMONG_NAMES,
+    DECISIVE,
+    FORCE_HELD,
+    MOST_FORCE_TERMS,
+    MOVES,
+    PREDICTS_WORSE,
+    SHOWN_BY_FORCE,
+)
 from harness.diagnosis.search.search import Search, less_each, under
 from harness.diagnosis.smoothed_state.state import Course
 from harness.estimate.noise import channel_noise
@@ -68,7 +76,9 @@ def nearest(base: Fit, problem: InverseDynamics, scales: Scales) -> Fit:
 
 
 def under_noise(problem: Q) -> Q:
-    """The problem with the noise of its sensors, as what the law leaves that says most of the force is likeliest with.
+    """The problem with the noise of its sensors, as what the law leaves that says most of the force is likeliest with,
+    and with its force acting when the base model, so weighed, says that it does: a controller that feels its encoder's
+    noise makes the force follow that, which unweighed looks like another time.
 
     What a law that is missing leaves is no noise, nor is what smoothing rounds off: a problem that is not ``by_noise``
     is given back as it is. Raises SimulationError when the base model cannot be fitted.
@@ -80,11 +90,17 @@ def under_noise(problem: Q) -> Q:
     for _ in range(_ROUNDS):
         base, scales = force_baseline(problem)
         left = problem.rows["u"] - nearest(base, problem, scales).shown.y["u"]
-        left = left - measured.later(left) * measured.late
+        left = left - problem.later(left)[0] * measured.late
         if not np.any(left):
-            break
+            return problem
         problem = replace(problem, covariance=ForceCovariance.likeliest(measured, base.model, left, own))
-    return problem
+    after, share = problem.later(problem.rows["u"] - force_baseline(problem)[0].shown.y["u"])
+    if share >= FORCE_HELD.value:
+        return problem
+    # a step between samples would be felt by the one after it alone
+    drive, by = problem.drive.straight, after * float(np.median(np.diff(problem.t)))
+    said = f"The force acts {1e3 * by:.2g} ms after its stamps."
+    return replace(problem, drive=replace(drive, t=drive.t + by), enters=(*problem.enters, said))
 
 
 def moving(found: Fit, problem: InverseDynamics, scales: Scales) -> Fit:

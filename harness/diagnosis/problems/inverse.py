@@ -101,6 +101,18 @@ class InverseDynamics(Forced):
         """
         return self.guarded and not self.alone
 
+    def later(self, left: FloatArray) -> tuple[float, float]:
+        """By how many samples a force acts later, one at most, as what a model leaves of it (m,), N, says.
+
+        And the share of its squares that is left then.
+        """
+        late, left = self._later, self._white(self.measured.even(left))
+        size, squares = float(late @ late), float(left @ left)
+        if size <= 0.0 or squares <= 0.0:
+            return 0.0, 1.0
+        after = min(max(float(late @ left) / size, -1.0), 1.0)
+        return after, float(np.sum((left - after * late) ** 2)) / squares
+
     @property
     def _later(self) -> FloatArray:
         if self._late is None:

@@ -198,12 +198,6 @@ class Measured:
         """
         return self.blocks(np.concatenate([one._less_later() for one in self.each]))
 
-    def later(self, left: FloatArray) -> float:
-        """By how many samples a force acts later, as what a model leaves of it (m,), N, says."""
-        late = self.late
-        size = float(late @ late)
-        return float(late @ left) / size if size > 0.0 else 0.0
-
     def _less_later(self) -> FloatArray:
         turns = np.concatenate(([False], np.sign(self.v[1:]) != np.sign(self.v[:-1])))
         smooth = ~widened(turns, self.half + 2)
