@@ -69,14 +69,6 @@ class Drive:
             return np.interp(t, self.t, self.u)
         return np.asarray(self.u[np.maximum(np.searchsorted(self.t, t, side="right") - 1, 0)], dtype=np.float64)
 
-    def felt(self, t: FloatArray) -> FloatArray:
-        """The force (n,), N, at times t (n,), s, as a motion's differences show it: of a step the mean of its sides."""
-        if not self.held:
-            return np.interp(t, self.t, self.u)
-        sides = (np.searchsorted(self.t, t, side=side) - 1 for side in ("left", "right"))
-        before, after = (self.u[np.maximum(i, 0)] for i in sides)
-        return np.asarray(0.5 * (before + after), dtype=np.float64)
-
 
 @dataclass(frozen=True, slots=True)
 class Scales:

@@ -76,7 +76,7 @@ class _Moved:
         if model.restoring is not Restoring.NONE:
             return cls(problem, observe(model, whole, (), scales, COARSE).y, problem.drive, noise)
         x, v, _ = course.state
-        u, interval = problem.drive.felt(problem.t), float(np.median(np.diff(problem.t)))
+        u, interval = problem.drive.straight.at(problem.t), float(np.median(np.diff(problem.t)))
         for rate in (share / interval for share in _HANDS):
             # a hand beside the recorded force: the slider turns and rests where the recorded one does
             k, c = model.m * rate**2, 2.0 * model.m * rate

@@ -97,8 +97,7 @@ def under_noise(problem: Q) -> Q:
     after, share = problem.later(problem.rows["u"] - force_baseline(problem)[0].shown.y["u"])
     if share >= FORCE_HELD.value:
         return problem
-    # a step between samples would be felt by the one after it alone
-    drive, by = problem.drive.straight, after * float(np.median(np.diff(problem.t)))
+    drive, by = problem.drive, after * float(np.median(np.diff(problem.t)))
     said = f"The force acts {1e3 * by:.2g} ms after its stamps."
     return replace(problem, drive=replace(drive, t=drive.t + by), enters=(*problem.enters, said))
 

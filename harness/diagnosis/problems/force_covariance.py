@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import LinAlgError, cholesky_banded, solve_banded
 from scipy.optimize import minimize
-from scipy.sparse import csr_array, diags_array, eye_array
+from scipy.sparse import csr_array, eye_array
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
+from harness.diagnosis.problems.differences import bent, sloped
 from harness.diagnosis.problems.measured import Measured
 from harness.model.model import Model
 
@@ -93,9 +94,9 @@ def white(factor: FloatArray, values: FloatArray) -> FloatArray:
 def _of_units(seen: Measured, base: Model) -> tuple[csr_array, csr_array]:
     """Covariances (m, m) of the means that count of the force that a base model asks for: by noise of unit variance of
     the position, or speed, that is differentiated, and of the recorded force."""
-    mean, slope, same = _means(seen.moving, seen.half), _slope(seen.t), eye_array(seen.t.size)
-    of_speed = base.m * slope + base.c * same
-    asked = mean @ (of_speed if seen.by == "v" else of_speed @ slope + base.k * same)
+    mean, slope, same = _means(seen.moving, seen.half), sloped(seen.t), eye_array(seen.t.size)
+    of_place = base.m * bent(seen.t) + base.c * slope + base.k * same
+    asked = mean @ (base.m * slope + base.c * same if seen.by == "v" else of_place)
     return csr_array(asked @ asked.T), csr_array(mean @ mean.T)
 
 
@@ -125,12 +126,6 @@ def _smoothing(half: IntArray) -> csr_array:
     row, column, weight = (np.concatenate(part) for part in (rows, columns, weights))
     inside = (column >= 0) & (column < n)
     return csr_array((weight[inside], (row[inside], column[inside])), shape=(n, n))
-
-
-def _slope(t: FloatArray) -> csr_array:
-    """Central differences, (n, n)."""
-    step = 1.0 / np.gradient(t) / 2.0
-    return csr_array(diags_array([-step[1:], step[:-1]], offsets=[-1, 1]))
 
 
 def _means(counts: BoolArray, half: IntArray) -> csr_array:

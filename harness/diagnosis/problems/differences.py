@@ -1,0 +1,51 @@
+"""Differences of a sampled motion, and of the force that acts between the samples as they show it.
+
+A force that jumps or bends between two samples is not what it is at either: the differences of a motion are means of it
+over the intervals that they span, which are taken of what it adds up to, so that both sides are the same means.
+"""
+
+import numpy as np
+from scipy.sparse import csr_array, diags_array
+
+from harness.core.arrays import FloatArray
+from harness.kernels.solve import Drive
+
+
+def sloped(t: FloatArray) -> csr_array:
+    """Slope at each time t (n,) by those beside it, (n, n); one-sided at the ends."""
+    width = np.diff(t)
+    to_left = width[1:] / (width[:-1] + width[1:])
+    return _of_steps(t, np.concatenate(([0.0], to_left, [1.0])), np.concatenate(([1.0], 1.0 - to_left, [0.0])))
+
+
+def bent(t: FloatArray) -> csr_array:
+    """Second difference at each time t (n,) by those beside it, (n, n); none at the ends."""
+    across = 2.0 / (t[2:] - t[:-2])
+    return _of_steps(t, -np.concatenate(([0.0], across, [0.0])), np.concatenate(([0.0], across, [0.0])))
+
+
+def _of_steps(t: FloatArray, before: FloatArray, after: FloatArray) -> csr_array:
+    """What the steps before and after each time make, (n, n), each by its slope."""
+    slope = 1.0 / np.diff(t)
+    below, above = -before[1:] * slope, after[:-1] * slope
+    main = np.append(0.0, -below) - np.append(above, 0.0)
+    return csr_array(diags_array([below, main, above], offsets=[-1, 0, 1]))
+
+
+def felt(drive: Drive, t: FloatArray, of: str) -> FloatArray:
+    """The force (n,), N, as the differences of a motion at times t (n,), s, show it: of "x" two, of "v" one."""
+    usual = float(np.mean(drive.u))
+    width, over = np.diff(drive.t), drive.u - usual
+    slope = np.zeros_like(over) if drive.held else np.append(np.diff(over) / width, 0.0)
+    speed = _sum(width * (over[:-1] + width * slope[:-1] / 2.0))
+    way = _sum(width * (speed[:-1] + width * (over[:-1] / 2.0 + width * slope[:-1] / 6.0)))
+    i = np.maximum(np.searchsorted(drive.t, t, side="right") - 1, 0)
+    s = t - drive.t[i]
+    slope = np.where(s > 0.0, slope[i], 0.0)
+    if of == "v":
+        return np.asarray(usual + sloped(t) @ (speed[i] + s * (over[i] + s * slope / 2.0)))
+    return np.asarray(usual + bent(t) @ (way[i] + s * (speed[i] + s * (over[i] / 2.0 + s * slope / 6.0))))
+
+
+def _sum(steps: FloatArray) -> FloatArray:
+    return np.concatenate(([0.0], np.cumsum(steps)))
