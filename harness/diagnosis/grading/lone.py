@@ -27,7 +27,8 @@ def undecided(found: Search) -> tuple[Rule, ...]:
     """The rules by which the chosen lone law is listed and not named, none where it is named.
 
     Another law that explains the recording as well is listed beside it; of a table of held speeds, where a law has no
-    phase to err in, one that is not so many times less likely as beside a main effect. Where the zero and the spring
+    phase to err in, and of a fitted force, where it has none either, one that is not so many times less likely as
+    beside a main effect. Where the zero and the spring
     are not known before, as on a machine, a crowd of small effects can look like one law: it is then named by what
     names a main effect, that is with enough cycles, a misfit to speak of, and no other law near.
     """
@@ -36,7 +37,7 @@ def undecided(found: Search) -> tuple[Rule, ...]:
     if any(f.bic < found.chosen.bic + DECISIVE.value for f in _others(found) if key_of(f) == (clock_drift.TERM.name,)):
         # nothing but the size of one channel parts the two, and whose clock it is, is not known
         return (CLOCK_DRIFT,)
-    if not found.problem.moves:
+    if found.by_force or not found.problem.moves:
         margin = 2.0 * math.log(TIMES_NEXT.value)
         return (TIMES_NEXT,) if any(f.bic < found.chosen.bic + margin for f in _others(found)) else ()
     if not found.problem.zero_free:
@@ -56,7 +57,7 @@ def near(found: Search) -> tuple[Fit, ...]:
     In samples two laws always differ: by what small effects that nobody models change. Where several amplitudes part
     laws of it from laws of the time, they say so; a law that is bent beyond its name is no other one.
     """
-    if not _lone(found) or not found.problem.zero_free:
+    if not _lone(found) or found.by_force or not found.problem.zero_free:
         return ()
     chosen, words = found.chosen, words_beside(found.base, strokes_of(found.chosen, found.problem))
 
@@ -106,7 +107,7 @@ def _behind(other: Fit, found: Search) -> float:
 
 def _lone(found: Search) -> bool:
     """Whether one law alone explains a recording."""
-    return not found.by_force and found.explained and len(found.chosen.model.terms) == 1
+    return found.explained and len(found.chosen.model.terms) == 1
 
 
 def _others(found: Search) -> list[Fit]:

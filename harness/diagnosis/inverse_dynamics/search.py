@@ -18,7 +18,6 @@ from functools import partial
 
 import numpy as np
 
-from harness.core.arrays import FloatArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.base_fit import driven_scales
 from harness.diagnosis.fit.model_fit import HASTY, Fit, fit
@@ -26,7 +25,7 @@ from harness.diagnosis.fit.rmse import motion_followed
 from harness.diagnosis.fit.standard_errors import leading, unit_of
 from harness.diagnosis.inverse_dynamics.grade import ForceGraded, graded_by, starts, whole_in
 from harness.diagnosis.inverse_dynamics.left_over import LeftOver, beyond_chance, left_over
-from harness.diagnosis.inverse_dynamics.validate import Judge, beyond_scatter
+from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.parameters import base_of, free_of
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.driven import Driven
@@ -38,12 +37,13 @@ from harness.diagnosis.rules import (
     AMONG_NAMES,
     DECISIVE,
     FORCE_HELD,
+    MISSES_MORE,
     MOST_FORCE_TERMS,
     MOVES,
     PREDICTS_WORSE,
     SHOWN_BY_FORCE,
 )
-from harness.diagnosis.search.search import Search, less_each, under
+from harness.diagnosis.search.search import Search, freed, less_each, under
 from harness.diagnosis.smoothed_state.state import Course
 from harness.estimate.noise import channel_noise
 from harness.fit.series import ENOUGH
@@ -147,6 +147,8 @@ def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> Force
         again = (last if f is chosen else under(f, problem) for f in fits)
         return tuple(sorted(again, key=lambda f: f.bic))
 
+    if len(chosen.model.terms) == len(ground.model.terms) + 1:
+        rivals = [*laws, *rivals]
     alone, rest = seen(singles), seen([*rivals, *(f for f in path if all(f is not r for r in rivals))])
     without = less_each(last, list(_refitted(last, problem, scales)), (*alone, *rest))
     left = over.left if _predicts(last, first, problem) else Left.STRUCTURE
@@ -190,6 +192,13 @@ def _grown(
         kept = next((f for f in better if _moves(f, least, problem, scales)), None)
         if kept is None or not (judge or _of_some_size(kept, problem, scales)):
             break
+        if len(chosen.model.terms) == len(ground.model.terms) + 1:
+            # one effect in another form than its name's takes two names to follow
+            free = freed(chosen, problem, scales)
+            if free is not None and kept.bic_of(independent) > free.bic_of(independent) - DECISIVE.value:
+                chosen = free
+                path.append(free)
+                break
         chosen = kept
         path.append(kept)
         if ground is not base and not _pushes(kept, problem, scales):
@@ -236,22 +245,13 @@ def _pushed(base: Fit, problem: InverseDynamics, scales: Scales, judge: Judge | 
 
 
 def _predicts(found: Fit, base: Fit, problem: InverseDynamics) -> bool:
-    """Whether a model's own motion misses no more than the base model's: what says a force but moves worse explains
-    nothing, though noise that its law makes large may leave as much of the force.
+    """Whether a model's own motion misses hardly more than the base model's: what says a force but moves worse explains
+    nothing, though noise that its law makes large, or a controller's answer to noise, may leave as much of the force.
 
-    What is not known of the force between its samples moves both astray: by how much the misses differ from window to
-    window says what that alone makes of their difference.
+    What is not known of the force between its samples moves both astray.
     """
-    missed, usual = (_misses(one, problem) for one in (found, base))
-    worse = np.sum(missed) > PREDICTS_WORSE.value**2 * np.sum(usual)
-    return not worse or (missed.size > 1 and not beyond_scatter(missed - usual))
-
-
-def _misses(found: Fit, problem: InverseDynamics) -> FloatArray:
-    """Squares (k,) that a model's own motion misses of each window's position, or speed where there is none."""
-    channel = "x" if "x" in problem.channels else "v"
-    left = (problem.channels[channel] - found.shown.y[channel]) ** 2
-    return np.array([float(np.sum(left[w.start : w.stop])) for w in problem.starts.windows])
+    missed, usual = (100.0 - motion_followed(one.shown.y, problem) for one in (found, base))
+    return missed <= MISSES_MORE.value * usual
 
 
 def _moves(found: Fit, least: float, problem: InverseDynamics, scales: Scales) -> bool:

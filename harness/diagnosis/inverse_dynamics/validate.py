@@ -80,7 +80,8 @@ class Judge:
         width = max(1, round(_BLOCK / interval))
         fall = errors[0] ** 2 - errors[1] ** 2
         count = max(fall.size // width, 2)
-        return beyond_scatter(np.array([np.mean(part) for part in np.array_split(fall, count)]))
+        each = np.array([np.mean(part) for part in np.array_split(fall, count)])
+        return float(np.mean(each)) > CONFIRMED.value * float(np.std(each, ddof=1)) / math.sqrt(count)
 
     def _left(self, model: Model) -> FloatArray:
         """Force (m,), N, left over on the other recording."""
@@ -98,11 +99,6 @@ class Judge:
         if not _periods(model):
             return None
         return 100.0 * float(np.linalg.norm(self._left(model)) / np.linalg.norm(self.other.u))
-
-
-def beyond_scatter(values: FloatArray) -> bool:
-    """Whether values (k,), k > 1, are above zero in the mean, by more than their scatter explains."""
-    return float(np.mean(values)) > CONFIRMED.value * float(np.std(values, ddof=1)) / math.sqrt(values.size)
 
 
 def _is_ripple(entry: ModelTerm) -> bool:
