@@ -15,19 +15,8 @@ def sloped(t: FloatArray) -> csr_array:
     """Slope at each time t (n,) by those beside it, (n, n); one-sided at the ends."""
     width = np.diff(t)
     to_left = width[1:] / (width[:-1] + width[1:])
-    return _of_steps(t, np.concatenate(([0.0], to_left, [1.0])), np.concatenate(([1.0], 1.0 - to_left, [0.0])))
-
-
-def bent(t: FloatArray) -> csr_array:
-    """Second difference at each time t (n,) by those beside it, (n, n); none at the ends."""
-    across = 2.0 / (t[2:] - t[:-2])
-    return _of_steps(t, -np.concatenate(([0.0], across, [0.0])), np.concatenate(([0.0], across, [0.0])))
-
-
-def _of_steps(t: FloatArray, before: FloatArray, after: FloatArray) -> csr_array:
-    """What the steps before and after each time make, (n, n), each by its slope."""
-    slope = 1.0 / np.diff(t)
-    below, above = -before[1:] * slope, after[:-1] * slope
+    before = np.concatenate(([0.0], to_left, [1.0]))
+    below, above = -before[1:] / width, (1.0 - before[:-1]) / width
     main = np.append(0.0, -below) - np.append(above, 0.0)
     return csr_array(diags_array([below, main, above], offsets=[-1, 0, 1]))
 
@@ -44,7 +33,8 @@ def felt(drive: Drive, t: FloatArray, of: str) -> FloatArray:
     slope = np.where(s > 0.0, slope[i], 0.0)
     if of == "v":
         return np.asarray(usual + sloped(t) @ (speed[i] + s * (over[i] + s * slope / 2.0)))
-    return np.asarray(usual + bent(t) @ (way[i] + s * (speed[i] + s * (over[i] / 2.0 + s * slope / 6.0))))
+    way = way[i] + s * (speed[i] + s * (over[i] / 2.0 + s * slope / 6.0))
+    return np.asarray(usual + sloped(t) @ (sloped(t) @ way))
 
 
 def _sum(steps: FloatArray) -> FloatArray:

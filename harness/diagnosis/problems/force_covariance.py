@@ -15,7 +15,7 @@ from scipy.optimize import minimize
 from scipy.sparse import csr_array, eye_array
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
-from harness.diagnosis.problems.differences import bent, sloped
+from harness.diagnosis.problems.differences import sloped
 from harness.diagnosis.problems.measured import Measured
 from harness.model.model import Model
 
@@ -95,7 +95,7 @@ def _of_units(seen: Measured, base: Model) -> tuple[csr_array, csr_array]:
     """Covariances (m, m) of the means that count of the force that a base model asks for: by noise of unit variance of
     the position, or speed, that is differentiated, and of the recorded force."""
     mean, slope, same = _means(seen.moving, seen.half), sloped(seen.t), eye_array(seen.t.size)
-    of_place = base.m * bent(seen.t) + base.c * slope + base.k * same
+    of_place = base.m * slope @ slope + base.c * slope + base.k * same
     asked = mean @ (base.m * slope + base.c * same if seen.by == "v" else of_place)
     return csr_array(asked @ asked.T), csr_array(mean @ mean.T)
 

@@ -11,7 +11,7 @@ from harness.core.errors import SimulationError
 from harness.diagnosis.parameters import in_recording
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.asked import Path, asked, given_force
-from harness.diagnosis.problems.differences import bent, felt, sloped
+from harness.diagnosis.problems.differences import felt, sloped
 from harness.diagnosis.problems.driven import Forced
 from harness.diagnosis.rules import GUARD_SPEED
 from harness.diagnosis.smoothed_state.local_cubics import Smooth, inner, longest_interval, smoothed, smoothed_alike
@@ -88,9 +88,8 @@ class Measured:
             return smoothed_alike(t, y, longest, half)
 
         x = alike(problem.channels["x"]) if "x" in smooth else state_of(t, smooth)[0]
-        told = problem.channels[by]
-        v = alike(told if by == "v" else sloped(t) @ told)
-        a = alike(sloped(t) @ told if by == "v" else bent(t) @ told)
+        slope = problem.channels["v"] if by == "v" else sloped(t) @ problem.channels["x"]
+        v, a = alike(slope), alike(sloped(t) @ slope)
         v_sd = smooth["v"].value_sd if by == "v" else smooth["x"].slope_sd
         kept = t.size // BLOCK * BLOCK
         u = alike(felt(problem.drive, t, by))
@@ -100,13 +99,13 @@ class Measured:
             # within the reach of a cubic and a difference friction turns round; where a servo sticks it has any value
             at_rest |= np.abs(v) <= slow * math.sqrt(float(np.mean(v**2)))
             at_rest[1:] |= np.sign(v[1:]) != np.sign(v[:-1])
-            at_rest = widened(at_rest, half + 1)
-        # a value there has its own reach, and a difference
-        at_rest |= widened(_stands(at_rest), half + 1)
+            at_rest = widened(at_rest, half + 2)
+        # a value there has its own reach, and two differences
+        at_rest |= widened(_stands(at_rest), half + 2)
         slides = ~at_rest[:kept].reshape(-1, BLOCK)
         whole = np.max(np.diff(t[:kept].reshape(-1, BLOCK), axis=1), axis=1) <= longest
-        # differences at the ends of a stretch are one-sided
-        central = inner(t, longest, half + 1)[:kept].reshape(-1, BLOCK)
+        # two differences at the ends of a stretch are one-sided
+        central = inner(t, longest, half + 2)[:kept].reshape(-1, BLOCK)
         moving = whole & np.all(slides & central, axis=1)
         if np.count_nonzero(moving) < BLOCK:
             raise SimulationError("the slider hardly moves")
@@ -202,7 +201,7 @@ class Measured:
 
     def _less_later(self) -> FloatArray:
         turns = np.concatenate(([False], np.sign(self.v[1:]) != np.sign(self.v[:-1])))
-        smooth = ~widened(turns, self.half + 1)
+        smooth = ~widened(turns, self.half + 2)
         return np.asarray(np.where(smooth, np.gradient(self.u, self.t) * float(np.median(np.diff(self.t))), 0.0))
 
     def held(self, model: Model) -> FloatArray:
