@@ -30,8 +30,9 @@ from harness.model.model import Restoring
 
 
 def as_it_acts(problem: InverseDynamics, u: FloatArray) -> tuple[InverseDynamics, tuple[str, ...]]:
-    """The problem with its force u (n,) held, and a sentence that says so, where the base model leaves less of it so.
+    """The problem with its force u (n,) held, and a sentence that says so, where less of it is left so.
 
+    Beside the law that says most of it: what is missing leaves more than what a force does between two samples.
     Raises SimulationError where little moves.
     """
     stepped = replace(problem, drive=held(problem.t, u))
@@ -41,8 +42,9 @@ def as_it_acts(problem: InverseDynamics, u: FloatArray) -> tuple[InverseDynamics
 
 
 def _left(problem: InverseDynamics) -> float:
-    """Sum of squares of the force that the base model leaves, N^2."""
-    return float(np.sum((problem.rows["u"] - force_baseline(problem)[0].shown.y["u"]) ** 2))
+    """Sum of squares of the force that is left, N^2."""
+    base, scales = force_baseline(problem)
+    return float(np.sum((problem.rows["u"] - nearest(base, problem, scales).shown.y["u"]) ** 2))
 
 
 def with_covariates(
