@@ -26,20 +26,21 @@ from harness.model.terms import clock_drift
 def undecided(found: Search) -> tuple[Rule, ...]:
     """The rules by which the chosen lone law is listed and not named, none where it is named.
 
-    Another law that explains the recording as well is listed beside it; of a table of held speeds, where a law has no
-    phase to err in, and of a fitted force, where it has none either, one that is not so many times less likely as
-    beside a main effect. Where the zero and the spring
-    are not known before, as on a machine, a crowd of small effects can look like one law: it is then named by what
-    names a main effect, that is with enough cycles, a misfit to speak of, and no other law near.
+    Another law that explains the recording as well is listed beside it; of held speeds, a run-down or a fitted force,
+    where a law has no phase to err in, one that is not so many times less likely as beside a main effect. Where the
+    zero and the spring are not known before, as on a machine, a crowd of small effects can look like one law: it is
+    then named by what names a main effect, that is with enough cycles, a misfit to speak of, and no other law near.
     """
     if not _lone(found):
         return ()
     if any(f.bic < found.chosen.bic + DECISIVE.value for f in _others(found) if key_of(f) == (clock_drift.TERM.name,)):
         # nothing but the size of one channel parts the two, and whose clock it is, is not known
         return (CLOCK_DRIFT,)
-    if found.by_force or not found.problem.moves:
+    if found.by_force or not found.problem.returns:
+        # whatever the shape of either costs
         margin = 2.0 * math.log(TIMES_NEXT.value)
-        return (TIMES_NEXT,) if any(f.bic < found.chosen.bic + margin for f in _others(found)) else ()
+        apart = (min(_behind(f, found), f.bic - found.chosen.bic) for f in _others(found))
+        return (TIMES_NEXT,) if any(by < margin for by in apart) else ()
     if not found.problem.zero_free:
         return (EVEN,) if any(_behind(f, found) < EVEN.value for f in _others(found)) else ()
     taken = 1.0 - found.chosen.chi2 / found.base.chi2
