@@ -75,8 +75,9 @@ def test_the_published_proof_is_accepted(name: str, published_here: Path, monkey
 
 
 def test_a_page_counts_what_was_drawn_and_its_last_level_has_no_end(published_here: Path) -> None:
-    # the published proof of ways asked for 208 recordings, one of which could not be drawn
-    stored = (published_here.with_name("proof-paths") / "result.json").read_text(encoding="utf-8")
-    page = render(proof_page(ProofResult.model_validate_json(stored), [], []))
-    assert "The 207 recordings are of 13 ways" in page
+    stored = ProofResult.model_validate_json((published_here.with_name("proof-paths") / "result.json").read_bytes())
+    page = render(proof_page(stored, [], []))
+    # of 208 that the published proof of ways asked for some could not be drawn
+    assert len(stored.cases) < 208
+    assert f"The {len(stored.cases)} recordings are of 13 ways" in page
     assert re.findall(r">\s*(above \d+|\d+ to 30000)\s*<", page) == ["10000 to 30000", "above 31600"]
