@@ -25,7 +25,10 @@ _FORCES = 1e3
 _ALIASED = 2.0
 """Times half the rate of the samples: a law faster than that half is dropped by ``within``, and must get there."""
 _FINER = 100.0
-"""Times finer than a sample's noise is what the motion of thousands of them shows of a bristle's length."""
+"""Times finer than a sample's noise is what the motion of thousands of them shows of a bristle's length.
+
+Not beside a recorded force: what that does between two samples, at a reversal, moves a slider as such a bristle does.
+"""
 _UNITS = {
     "m": "m", "c": "N s/m", "k": "N/m", "f_k": "N", "offset": "m", "x0": "m", "v0": "m/s",
 }  # fmt: skip
@@ -134,7 +137,8 @@ def _ends(parameter: Parameter, reach: Reach, mass: float) -> tuple[float, float
         return -reach.span, reach.span
     high = reach.of_unit(parameter.unit, mass)
     if parameter.bends and reach.noise > 0.0:
-        high = max(high, _FINER * max(reach.force, mass * reach.a) / reach.noise)
+        finer = _FINER if reach.force == 0.0 else 1.0
+        high = max(high, finer * max(reach.force, mass * reach.a) / reach.noise)
     return -high, high
 
 
