@@ -179,10 +179,11 @@ def asked(channels: dict[str, np.ndarray], units: dict[str, str] | None = None, 
     return prepared(Recording(T, channels, "bench.csv", units=units or {}), chosen).warnings
 
 
-def test_a_unit_off_by_a_thousand_is_a_warning() -> None:
+def test_a_unit_off_by_a_thousand_is_refused_with_the_one_that_it_is_in() -> None:
     assert asked({"x": X, "a": A}) == ()
-    (said,) = asked({"x": 1e3 * X, "a": A})
-    assert said.startswith("acceleration does not match displacement by a factor of about 1/1000")
+    with pytest.raises(InputError) as refused:
+        asked({"x": 1e3 * X, "a": A})
+    assert "x=x[mm]" in str(refused.value)
 
 
 @pytest.mark.parametrize(
