@@ -42,11 +42,11 @@ UNITS = {"x": "m", "v": "m/s", "a": "m/s^2"}
 ANGULAR = {"x": "rad", "v": "rad/s", "a": "rad/s^2"}
 _OPTIONS = ("--sim-columns", "--columns")
 """How columns are named of the first trace and of the second."""
-_UNITS = {1e3: ("mm", math.log(2.0)), 1e6: ("um", math.log(2.0))}
-_TURNED = {math.degrees(1.0): ("deg", 0.2)}
-"""Factors of units beside m and rad, and how near the logarithm of what one trace goes over the other must lie: two
-motions that are compared differ by less than two, and by so many degrees a radian only as near as calibrations.
-"""
+_UNITS = {1e3: "mm", 1e6: "um"}
+_TURNED = {math.degrees(1.0): "deg"}
+"""Factors of units beside m and rad."""
+_AS_FAR = 0.2
+"""How near the logarithm of what one trace goes over the other must lie: else one may hold where the other slips."""
 _TINY = 1e-300
 _STILL = 0.1
 """Share of a half-cycle that must follow the stop, for a rest to be seen."""
@@ -164,8 +164,8 @@ def _refuse_other_unit(sim: Recording, real: Recording) -> None:
     """
     for c in (c for c in UNITS if c in sim and c in real):
         times = float(np.ptp(real[c])) / max(float(np.ptp(sim[c])), _TINY)
-        for factor, (unit, near) in (_UNITS | (_TURNED if real.angular else {})).items():
-            if abs(abs(math.log(max(times, _TINY))) - math.log(factor)) < near:
+        for factor, unit in (_UNITS | (_TURNED if real.angular else {})).items():
+            if abs(abs(math.log(max(times, _TINY))) - math.log(factor)) < _AS_FAR:
                 large = int(times > 1.0)
                 trace, option = (sim, real)[large], _OPTIONS[large]
                 columns = dict(trace.columns) or {"t": "t", c: c}

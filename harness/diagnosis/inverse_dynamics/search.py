@@ -148,7 +148,8 @@ def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> Force
         return tuple(sorted(again, key=lambda f: f.bic))
 
     if len(chosen.model.terms) == len(ground.model.terms) + 1:
-        rivals = [*laws, *rivals]
+        # beside a lone law other lone ones, as far as they move as well, and models of one law more
+        rivals = [*laws, *(f for f in rivals if len(f.model.terms) > len(chosen.model.terms))]
     alone, rest = seen(singles), seen([*rivals, *(f for f in path if all(f is not r for r in rivals))])
     without = less_each(last, list(_refitted(last, problem, scales)), (*alone, *rest))
     left = over.left if _predicts(last, first, problem) else Left.STRUCTURE
