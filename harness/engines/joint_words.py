@@ -13,6 +13,7 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.core.slider import Slider
 from harness.model.model import ModelTerm
+from harness.model.registry import TERMS
 from harness.model.term import Element, Polynomial, Zone
 
 FAR: Final = 1e6
@@ -63,6 +64,12 @@ def words_of(terms: Iterable[ModelTerm], k: float) -> JointWords:
                     within = replace(element, low=max(element.low, -FAR), high=min(element.high, FAR))
                     zones.append((f"{entry.term.name.replace('-', '_')}_{i}", within))
     return JointWords((stiffness[0], stiffness[1], stiffness[2]), (damping[0], damping[1], damping[2]), tuple(zones))
+
+
+def term_of(element: Element, value: float) -> ModelTerm:
+    """The catalogue's term of one parameter that is made of ``element`` where the parameter is 1; value : of it, SI."""
+    found = next(t for t in TERMS if len(t.names) == 1 and t.elements and t.elements((1.0,), 1.0) == (element,))
+    return ModelTerm(found, (value,))
 
 
 GRAVITY = 9.81

@@ -10,6 +10,8 @@ from typing import Any
 from harness.core.errors import InputError
 from harness.io.columns import ENDINGS, is_commanded, is_magnitude
 
+SMALLEST, LARGEST = 1e-12, 1e7
+"""In SI: from the picometre, picosecond and piconewton to the meganewton; larger are those of astronomers."""
 STANDARD_GRAVITY = 9.80665
 """m/s^2; what ``[g]`` means on an acceleration (elsewhere ``g`` is the gram)."""
 
@@ -273,7 +275,13 @@ def parse_unit(where: str, channel: str, text: str | None) -> Unit:
         if channel in _SCALED:
             accepted += f"; a sensor's or a motor's own scale brings it, as {_SCALED[channel]} in --columns"
         raise OtherUnitError(where, f"'{text}' is a unit of another kind ({kind})", accepted)
-    return Unit(text, float(base.magnitude), "radian" in str(base.units))
+    return Unit(text, _of_a_machine(where, text, float(base.magnitude), accepted), "radian" in str(base.units))
+
+
+def _of_a_machine(where: str, text: str, factor: float, accepted: str) -> float:
+    if not SMALLEST <= factor <= LARGEST:
+        raise NoUnitError(where, f"'{text}' is no unit of a machine: {factor:.4g} in SI units", accepted)
+    return factor
 
 
 _STEPS = (

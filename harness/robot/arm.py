@@ -170,7 +170,8 @@ class Arm:
     freedom (nv,). armature (nv,) : rotor inertia seen at the joint, kg m^2 or kg. frictionloss, damping (nv,) : as the
     file has them, N m or N and N m s/rad or N s/m. coupled : by joint, why it does not move alone (a loop, a tendon, a
     curve); the others' torque is right all the same. ties : joints that move together by a ratio. notes :
-    what was taken out, held or repaired, one sentence each.
+    what was taken out, held or repaired, one sentence each. drag (nv, 2) : the file's further coefficients of damping,
+    of v |v| and of v^3.
     """
 
     file: str
@@ -182,6 +183,7 @@ class Arm:
     coupled: Mapping[str, str] = field(default_factory=dict)
     ties: tuple[Tie, ...] = ()
     notes: tuple[str, ...] = ()
+    drag: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
 
     def inverse(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
         """Torque (n, nv) that the rigid model needs: inertia with armature, Coriolis, gravity, springs of joints.
@@ -221,12 +223,15 @@ class Arm:
 
 
 def load_arm(
-    path: Path, gravity: tuple[float, float, float] | None = None, edited: Mapping[Path, str] = MappingProxyType({})
+    path: Path,
+    gravity: tuple[float, float, float] | None = None,
+    edited: Mapping[Path, str] = MappingProxyType({}),
+    polynomials: bool = False,
 ) -> Arm:
     """An arm from .xml (MJCF or URDF) or .urdf; gravity : m/s^2 in the frame of the base, None for the file's own.
 
-    edited : by resolved path, texts that take the place of what a file of the model holds. Bodies on free and ball
-    joints are held, and it is noted.
+    edited : by resolved path, texts that take the place of what a file of the model holds. polynomials : stiffness and
+    damping may be such, and the caller reads them. Bodies on free and ball joints are held, and it is noted.
 
     Raises InputError when there is no such file, MuJoCo cannot compile it (its message in one line), or there is
     neither hinge nor slide.
@@ -236,9 +241,10 @@ def load_arm(
     if not model.njnt:
         raise InputError(file, "no joint", _ACCEPTED)
     joints = [model.joint(i).name or f"joint {i + 1}" for i in range(model.njnt)]
-    if any(np.any(one) for one in (model.jnt_stiffnesspoly, model.dof_dampingpoly)):
+    if not polynomials and any(np.any(one) for one in (model.jnt_stiffnesspoly, model.dof_dampingpoly)):
         raise InputError(file, "stiffness or damping of a joint as a polynomial", f"one number each, and {_ACCEPTED}")
     friction, damping, rotors = np.array(model.dof_frictionloss), np.array(model.dof_damping), model.dof_armature.copy()
+    drag = np.array(model.dof_dampingpoly)
     for i in range(model.nactuator):  # a pid has two controls
         if model.actuator_trntype[i] == mujoco.mjtTrn.mjTRN_JOINT.value:
             # a rotor turns faster by the gear's ratio, and its inertia counts with the square
@@ -246,7 +252,7 @@ def load_arm(
     found = coupled(model)
     alone = MappingProxyType({joints[j]: said for j, said in found.alone.items()})
     said = (*notes, *found.notes, *_strip(model, gravity))
-    return Arm(file, model, tuple(joints), rotors, friction, damping, alone, found.ties, said)
+    return Arm(file, model, tuple(joints), rotors, friction, damping, alone, found.ties, said, drag)
 
 
 def _strip(model: Any, gravity: tuple[float, float, float] | None) -> list[str]:

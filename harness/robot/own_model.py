@@ -6,17 +6,22 @@ from pathlib import Path
 from typing import Any
 
 import mujoco
+from numpy.polynomial import Polynomial
 
 from harness.core.errors import InputError
 from harness.engines.base import Settings
+from harness.engines.joint_words import term_of
 from harness.engines.mujoco.presets import INTEGRATORS, SOLVERS, STIFF
 from harness.engines.registry import load
 from harness.engines.simulator import EngineSimulator
+from harness.model import term as elements
 from harness.model.model import Model, Restoring
 from harness.robot.arm import Arm, load_arm
-from harness.robot.reduction import reduced
+from harness.robot.reduction import Reduced, reduced
 
 _SUFFIXES = (".xml", ".mjcf", ".urdf")
+_DRAG = elements.Polynomial(damping=(0.0, 1.0, 0.0))
+_BENDS = (elements.Polynomial((0.0, 1.0, 0.0)), elements.Polynomial((0.0, 0.0, 1.0)))
 _ONE = "a model of one joint (of a robot's: --robot FILE --joint NAME)"
 
 
@@ -64,7 +69,8 @@ def loosened(settings: Mapping[str, Any], by: float) -> dict[str, Any]:
 @dataclass(frozen=True, slots=True)
 class OwnModel:
     """slider : what the joint is, let go nowhere; its friction, damping and spring are the file's. engine : MuJoCo for
-    an MJCF, PyBullet for a URDF. settings : of the engine, as the file has them. dt : its step, s.
+    an MJCF, PyBullet for a URDF. settings : of the engine, as the file has them. dt : its step, s. rest : position in
+    the file from which the slider's x is measured, where nothing pulls it, m or rad.
     """
 
     file: str
@@ -72,6 +78,7 @@ class OwnModel:
     engine: str
     dt: float
     settings: Settings = field(default_factory=dict)
+    rest: float = 0.0
 
     @property
     def simulator(self) -> EngineSimulator:
@@ -86,19 +93,47 @@ def is_own(path: Path) -> bool:
 
 def own_model(path: Path) -> OwnModel:
     """Read a file, as ``load_arm`` does; raises InputError for several joints, and for a spring beside gravity."""
-    arm = load_arm(path)
+    arm = load_arm(path, polynomials=True)
     if len(arm.joints) > 1:
         raise InputError(str(path), f"{len(arm.joints)} joints: {', '.join(arm.joints)}", _ONE)
-    (joint,) = arm.joints
+    (joint,), where = arm.joints, f"{path}: joint {arm.joints[0]}"
     own = reduced(arm, joint)
+    drag, cubic = map(float, arm.drag[0])
+    if cubic:
+        raise InputError(where, "a damping that grows with the cube of the speed", "damping of one number or two")
     hangs = own.gravity > 0.0 and not own.slides and not own.upright
-    if hangs and own.spring > 0.0:
-        raise InputError(f"{path}: joint {joint}", "a spring beside gravity", "a joint with one of the two")
-    held = Restoring.PENDULUM if hangs else Restoring.SPRING if own.spring > 0.0 else Restoring.NONE
-    k = own.gravity if hangs else own.spring
-    slider = Model(own.moved, float(arm.damping[0]), k, float(arm.frictionloss[0]), restoring=held)
+    spring = _spring(arm, own)
+    if hangs and spring.degree() > 0:
+        raise InputError(where, "a spring beside gravity", "a joint with one of the two")
+    held = Restoring.PENDULUM if hangs else Restoring.SPRING if spring.degree() > 0 else Restoring.NONE
+    terms = [term_of(_DRAG, drag)] if drag else []
+    k, rest = own.gravity if hangs else 0.0, own.q_eq if hangs else 0.0
+    if held is Restoring.SPRING:
+        slack = _slack(where, spring)
+        rest, about = own.q_ref + slack, spring(Polynomial([slack, 1.0]))
+        k, *bends = map(float, about.coef[1:])
+        terms += [term_of(element, value) for element, value in zip(_BENDS, bends, strict=False) if value]
+    elif own.slides and own.constant:
+        terms.append(term_of(elements.Push(1.0), -own.constant))
+    slider = Model(own.moved, float(arm.damping[0]), k, float(arm.frictionloss[0]), restoring=held, terms=tuple(terms))
     if path.suffix.lower() == ".urdf":
         engine = load("pybullet")
-        return OwnModel(str(path), slider, engine.name, float(engine.presets("joint", "as-shipped")["dt"]))
+        step = float(engine.presets("joint", "as-shipped")["dt"])
+        return OwnModel(str(path), slider, engine.name, step, rest=rest)
     settings = loosened(words(arm, joint), looseness(arm, joint, own.moved))
-    return OwnModel(str(path), slider, "mujoco", float(arm.model.opt.timestep), settings)
+    return OwnModel(str(path), slider, "mujoco", float(arm.model.opt.timestep), settings, rest)
+
+
+def _spring(arm: Arm, own: Reduced) -> Polynomial:
+    """Force of spring and, on a slide, gravity over the distance from where the spring is slack, N or N m."""
+    bends = map(float, arm.model.jnt_stiffnesspoly[0])
+    return Polynomial([own.constant if own.slides else 0.0, own.spring, *bends]).trim()
+
+
+def _slack(where: str, spring: Polynomial) -> float:
+    """The place nearest to zero to which a spring pulls back. Raises InputError where there is none."""
+    slope = spring.deriv()
+    real = [float(root.real) for root in spring.roots() if root.imag == 0.0 and slope(root.real) > 0.0]
+    if not real:
+        raise InputError(where, "a spring that pulls it back to no place", "stiffness above 0 at rest")
+    return min(real, key=abs)

@@ -8,12 +8,17 @@ import numpy as np
 import pytest
 
 import harness
+from harness.app.run.case import case_of
+from harness.app.run.run import RunOptions
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.core.slider import Slider
+from harness.engines.model_files import export
 from harness.exact.decay import Decay, free_decay
+from harness.model.model import Model, ModelTerm
 from harness.results.diagnosis import AttributionResult, DiagnosisResult
+from harness.robot.own_model import own_model
 
 M, C, K, F = 1.2, 0.9, 180.0, 0.12
 X0 = 0.05
@@ -119,6 +124,60 @@ def test_a_run_of_a_model_of_mujocos_own_is_what_mujoco_makes_of_it(tmp_path: Pa
     assert own.metrics.max_error_m == pytest.approx(np.max(np.abs(rows[:, 1] - exact)), rel=0.05)
 
 
+ONE = """<mujoco><option timestep="0.002"/><worldbody><body><joint type="{type}" axis="{axis}" {words}/>
+<geom size=".1" mass="1" pos="{pos}"/></body></worldbody></mujoco>"""
+CURVED = 'stiffness="40 10 80" damping=".3 .2" frictionloss="1" springref=".1"'
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        ONE.format(type="slide", axis="1 0 0", words='stiffness="40" damping=".3 .9" frictionloss="1"', pos="0 0 0"),
+        ONE.format(type="slide", axis="0 0 1", words=CURVED, pos="0 0 0"),
+        ONE.format(type="slide", axis="1 0 2", words='stiffness="40" damping=".3" springref=".1"', pos="0 0 0"),
+        ONE.format(type="slide", axis="0 0 1", words='damping=".3 .2" frictionloss="1"', pos="0 0 0"),
+        ONE.format(type="hinge", axis="0 1 0", words='damping=".03 .2" frictionloss=".1"', pos=".4 0 .1"),
+        ONE.format(type="hinge", axis="0 0 1", words='stiffness="4 0 9" damping=".03" springref="20"', pos=".4 0 .1"),
+    ],
+    ids=["drag", "curved under gravity", "slack elsewhere", "falls", "pendulum with drag", "rotor"],
+)
+def test_the_exact_motion_of_a_model_of_mujocos_own_is_what_its_small_steps_tend_to(tmp_path: Path, text: str) -> None:
+    """Polynomials, gravity along the axis and a spring that is slack elsewhere: x is measured from where it rests."""
+    path = written(tmp_path, text)
+    case = case_of(RunOptions.asked(None, path, None, {"x0": 0.2, "duration": 1.0}).scenario)
+    exact = case.exact(np.linspace(0.0, 1.0, 101))
+    model = mujoco.MjModel.from_xml_path(str(path))
+    model.opt.timestep, model.dof_solref[:], model.dof_solimp[:] = 1e-4, [-1.0, -9000.0], [0.9999, 0.9999, 1e-3, 0.5, 2]
+    data, x = mujoco.MjData(model), []
+    data.qpos[0] = 0.2 + own_model(path).rest
+    for _ in range(101):
+        x.append(data.qpos[0])
+        mujoco.mj_step(model, data, 100)
+    assert np.array(x) - x[0] == pytest.approx(exact.x - exact.x[0], abs=2e-4)
+
+
+@pytest.mark.parametrize(
+    "term",
+    [
+        ModelTerm.named("quadratic-drag", c2=0.9),
+        ModelTerm.named("quadratic-stiffness", k2=20.0),
+        ModelTerm.named("cubic-stiffness", k3=80.0),
+        ModelTerm.named("constant-force", force=3.0),
+    ],
+    ids=lambda one: one.term.name,
+)
+def test_an_exported_model_runs_as_the_model_itself(tmp_path: Path, term: ModelTerm) -> None:
+    model = Model(1.0, 0.3, 40.0, 1.0, x0=0.3, terms=(term,))
+    export(model, tmp_path)
+    t = np.linspace(0.0, 2.0, 201)
+    itself = case_of(RunOptions.asked(None, model, None, {"duration": 2.0}).scenario).exact(t).x
+    rest = own_model(tmp_path / "slider.xml").rest
+    given = {"x0": 0.3 - rest, "duration": 2.0}
+    again = case_of(RunOptions.asked(None, tmp_path / "slider.xml", None, given).scenario).exact(t).x
+    assert rest == pytest.approx(3.0 / 40.0 if term.term.name == "constant-force" else 0.0)
+    assert again + rest == pytest.approx(itself, abs=1e-9)
+
+
 TWO = XML.format(c=C, k=K, f=F, integrator="Euler").replace("</body>", '<body><joint/><geom size="1"/></body></body>')
 HANGS = """<mujoco><worldbody><body><joint axis="0 1 0" stiffness="1"/><geom size=".1" pos="0 0 -1"/></body></worldbody>
 </mujoco>"""
@@ -129,6 +188,8 @@ HANGS = """<mujoco><worldbody><body><joint axis="0 1 0" stiffness="1"/><geom siz
     [
         (TWO, 1.0, "2 joints"),
         (HANGS, 1.0, "spring beside gravity"),
+        (ONE.format(type="slide", axis="1 0 0", words='damping="1 0 2"', pos="0 0 0"), 1.0, "cube of the speed"),
+        (ONE.format(type="slide", axis="1 0 0", words='stiffness="-2"', pos="0 0 0"), 1.0, "to no place"),
         (XML.format(c=C, k=K, f=F, integrator="Euler"), None, "--x0"),
     ],
 )

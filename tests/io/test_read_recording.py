@@ -192,6 +192,12 @@ REFUSED: dict[str, tuple[Any, ...]] = {
         "column x: the constant 1.5; expected a channel that moves",
     ),
     "no unit": (headed("t,x [blub]"), "column x: 'blub' is not a unit. Try: --columns \"t=t,x='x [blub]'[m]\""),
+    "an astronomer's unit": (headed("t,x [parsec]"), "'parsec' is no unit of a machine: 3.086e+16 in SI units. Try: "),
+    "an astronomer's unit in --columns": (
+        PLAIN,
+        "channel x: 'light_year' is no unit of a machine: 9.461e+15 in SI units; expected a unit of length",
+        ReadOptions(columns="x=x[light_year]"),
+    ),
     "wrong dimension": (headed("t,x [kg]"), f"column x: 'kg' {ANOTHER} (kilogram)"),
     "volts": (headed("t,x [V]"), VOLTS),
     "time in metres": (headed("t [m],x"), f"column t: 'm' {ANOTHER} (meter)"),

@@ -209,6 +209,8 @@ class ModelScenario:
             said.append("The estimators know viscous and dry friction alone; what else acts shows in their figures.")
         if (own := self.own) is not None:
             said.append(f"{own.engine} as-shipped has the options of {own.file}, with a step of {1e3 * own.dt:.4g} ms.")
+            if own.rest:
+                said.append(f"x is measured from where the joint rests, which is at {own.rest:.6g} in that file.")
             if own.engine == "mujoco" and self.model.f_k > 0.0:
                 words = " ".join(f'{name}="{value}"' for name, value in stiff_friction(own.dt).items())
                 said.append(f"For friction as stiff as that step allows, paste into its joint: <joint {words}/>.")
