@@ -1,6 +1,7 @@
 """A body of the user's own scene: what of its motion dry friction would not do, and the options that mend it."""
 
 import json
+import math
 import shutil
 import subprocess
 from pathlib import Path
@@ -227,6 +228,23 @@ def test_a_grip_with_too_little_friction_lets_go_under_dry_friction_too(
         assert "so it would under dry friction. It takes all the friction there is" in found.conclusions[0]
     else:
         assert found.expected.cone_use == pytest.approx(0.0981 / mu, rel=0.02)
+
+
+@pytest.mark.parametrize(("mu", "slides"), [(0.8, False), (0.05, True)])
+def test_a_wheel_that_rolls_off_a_ramp_takes_a_part_of_the_friction(tmp_path: Path, mu: float, slides: bool) -> None:
+    """A cylinder rolls down 20 degrees without sliding where mu is above tan(20 deg)/3 = 0.121; rolling friction of
+    5 mm is at its limit all the while, and adds (2/3) 5/50 to it: 0.23 of 0.8.
+    """
+    wheel = f"""<mujoco><worldbody><geom type="box" size=".5 .3 .02" euler="0 20 0"/>
+    <body name="wheel" pos="-0.2579 0 0.1684"><freejoint/>
+    <geom type="cylinder" size=".05 .02" euler="90 0 0" mass="1" condim="6" friction="{mu} .005 .005" priority="1"/>
+    </body></worldbody></mujoco>"""
+    found = harness.run_scene(written(tmp_path, wheel), "wheel", duration=1.2)
+    assert found.expected.lost_s is not None
+    assert found.expected.cone_use == pytest.approx(
+        1.0 if slides else (math.tan(math.radians(20)) + 0.2) / 2.4, rel=0.1
+    )
+    assert ("all the friction there is" in found.conclusions[0]) is slides
 
 
 def test_what_a_solver_that_is_cut_off_lets_fall_on_a_table_is_let_go(tmp_path: Path) -> None:

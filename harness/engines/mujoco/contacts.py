@@ -65,7 +65,7 @@ class Tally:
             use = _use(self._model, found, force)
             if not self._bearers or bearer_of(self._model, other) in self._bearers:
                 borne += float(force[0])
-                self._strained += float(force[0]) * use
+                self._strained += float(force[0]) * _use(self._model, found, force, _TORSION)
             if late:
                 pair = self._pairs.setdefault((mine, other), found)
                 pair.force += float(force[0])
@@ -89,7 +89,10 @@ class Tally:
 
     @property
     def strained(self) -> float | None:
-        """Share of the friction cones that is used where the bearers hold it, over the whole run."""
+        """Share of the friction cones that is used where the bearers hold it, over the whole run.
+
+        Without rolling friction, of which whatever rolls takes all.
+        """
         return self._strained / self._pressed if self._pressed > 0.0 else None
 
     @property
@@ -144,9 +147,17 @@ def force_of(model: Any, data: Any, i: int) -> FloatArray:
     return found
 
 
-def _use(model: Any, pair: _Pair, force: FloatArray) -> float:
-    """Share of the friction cone that a force takes; of a pyramid, as MuJoCo has it, by the sum of its edges."""
-    shares = np.abs(force[1 : pair.condim]) / (np.array(pair.friction[: pair.condim - 1]) * force[0])
+_TORSION = 4
+"""condim of a contact without rolling friction."""
+
+
+def _use(model: Any, pair: _Pair, force: FloatArray, most: int = 6) -> float:
+    """Share of the friction cone that a force takes; of a pyramid, as MuJoCo has it, by the sum of its edges.
+
+    most : condim up to which its parts count.
+    """
+    parts = min(pair.condim, most)
+    shares = np.abs(force[1:parts]) / (np.array(pair.friction[: parts - 1]) * force[0])
     if not shares.size:
         return 0.0
     return float(np.sum(shares) if CONES[int(model.opt.cone)] == "pyramidal" else math.hypot(*shares))
