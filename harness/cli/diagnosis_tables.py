@@ -322,6 +322,8 @@ def say_many(many: "Many") -> None:
     say(f"{len(many.answers)} recordings, {many.failed} failed")
     if many.fleet is not None:
         _fleet(many.fleet)
+    if many.advice:
+        say(many.advice)
     say_as_it_is(f"report: {many.folder / 'index.html'}")
 
 

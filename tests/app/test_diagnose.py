@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import shlex
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -22,6 +23,8 @@ from harness.app.report import rebuild
 from harness.app.shared.reading import ReadOptions, read, read_as, spooled
 from harness.core.errors import InputError, SimulationError, StoreError
 from harness.core.recording import Recording
+from harness.core.slider import Slider
+from harness.exact.decay import Decay, free_decay
 from harness.io.recording import sha256
 from harness.kernels.solve import solve
 from harness.model.document import load
@@ -252,6 +255,33 @@ def test_answers_keep_the_order_and_a_bad_file_does_not_stop_the_rest(tmp_path: 
     page = (tmp_path / "out" / "index.html").read_text()
     assert '<a href="a/report.html">a.csv</a>' in page
     assert "could not be diagnosed" in page
+
+
+@pytest.mark.parametrize(
+    ("other", "k", "said", "line"),
+    [
+        (0.3, 60.0, "the same omega_n, zeta and x_k", "harness diagnose {0} {1} --columns x=x --together"),
+        (0.6, 60.0, "differ: x_k 0.00500", "harness diagnose --columns x=x --before {0} --after {1}"),
+        (0.3, 120.0, "", ""),
+    ],
+    ids=["alike", "twice the friction", "another machine"],
+)
+def test_two_decays_of_what_may_be_one_machine_are_led_on(
+    tmp_path: Path, other: float, k: float, said: str, line: str
+) -> None:
+    t, named = np.arange(0.0, 5.0, 0.01), list[tuple[Path, str]]()
+    for i, (friction, stiffness) in enumerate([(0.3, 60.0), (other, k)]):
+        x = free_decay(Decay.of(Slider(1.0, 0.2, stiffness, friction), 0.1), t).x
+        x = x + 1e-4 * np.random.default_rng(i).standard_normal(t.size)
+        path = tmp_path / f"run-{i}.csv"
+        np.savetxt(path, np.column_stack((t, x)), delimiter=",", header="t,x", comments="")
+        named.append((path, str(path)))
+    files = [label for _, label in named]
+    command = shlex.join(["harness", "diagnose", *files, "--out", "there", "--columns", "x=x", "--json=a"])
+    many = diagnose_all(named, DiagnoseOptions(engines=()), tmp_path / "out", 1, command=command)
+    assert said in many.advice
+    assert many.advice.endswith(line.format(*map(shlex.quote, files)))
+    assert bool(many.advice) is bool(said)
 
 
 def test_a_process_that_dies_costs_one_file(tmp_path: Path) -> None:

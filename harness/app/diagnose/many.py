@@ -14,6 +14,7 @@ from harness.app.diagnose.fleet import fleet_of
 from harness.app.diagnose.one import FILES, deliver
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.result import STEPS
+from harness.app.diagnose.siblings import advice_on
 from harness.app.shared.deliver import to_json
 from harness.app.shared.machine import cores, package_version
 from harness.app.shared.progress import SILENT, Progress
@@ -55,11 +56,15 @@ class Work:
 
 @dataclass(frozen=True, slots=True)
 class Many:
-    """Answers in the order of the files. folder : where everything is. fleet : of logs of one robot, compared."""
+    """Answers in the order of the files. folder : where everything is. fleet : of logs of one robot, compared.
+
+    advice : what to try next with recordings that look like one machine, "" for nothing.
+    """
 
     answers: tuple[Answer, ...]
     folder: Path
     fleet: FleetResult | None = None
+    advice: str = ""
 
     @property
     def failed(self) -> int:
@@ -214,7 +219,9 @@ def diagnose_all(
             fleet = fleet_of(good, options.robot.file, known, command)
             many = replace(many, fleet=fleet)
             write_text(folder / FLEET, to_json(fleet))
-        write_report(folder / PAGE, index_page(many.answers, folder, command, many.fleet))
+        elif options.robot is None and options.servo is None and not many.failed:
+            many = replace(many, advice=advice_on(good, command))
+        write_report(folder / PAGE, index_page(many.answers, folder, command, many.fleet, many.advice))
         return many
 
 

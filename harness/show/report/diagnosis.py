@@ -173,8 +173,12 @@ def _details(result: DiagnosisResult, seen: Curves) -> list[b.Block]:
     return found
 
 
-def index_page(answers: Sequence[Answer], folder: Path, command: str, fleet: FleetResult | None = None) -> b.Page:
-    """The page of many, which lies in ``folder``. fleet : what they say together, of one robot."""
+def index_page(
+    answers: Sequence[Answer], folder: Path, command: str, fleet: FleetResult | None = None, advice: str = ""
+) -> b.Page:
+    """The page of many, which lies in ``folder``. fleet : what they say together, of one robot. advice : what to try
+    next, "" for nothing.
+    """
     counts = Counter(m.name for answer in answers for m in answer.mechanisms)
     named = ", ".join(f"{name} ({count})" for name, count in counts.most_common())
     headline = f"Missing: {named}." if named else "No physics was found to be missing."
@@ -192,7 +196,11 @@ def index_page(answers: Sequence[Answer], folder: Path, command: str, fleet: Fle
     blocks: list[b.Block] = [table]
     if command:
         blocks.append(b.Code(command, intro="This command makes it again:"))
-    first = fleet_sections(fleet) if fleet else [b.verdict(headline, failed, heading="Over all recordings")]
+    first = (
+        fleet_sections(fleet)
+        if fleet
+        else [b.verdict(headline, [*failed, *filter(None, [advice])], heading="Over all recordings")]
+    )
     verdicts = Counter(str(answer.verdict) for answer in answers)
     line = ", ".join(f"{verdicts[verdict]} {words}" for verdict, words in VERDICTS.items() if verdicts[verdict])
     return b.Page(f"Diagnoses of {len(answers)} recordings", line, [*first, b.Section("Recordings", blocks)])
