@@ -32,6 +32,8 @@ def box(**slots: str) -> str:
 LOST = [
     (ARM.format(CLASSES.format('<default class="free"/>'), 'childclass="arm"', 'class="free"', ""), 'damping="1"'),
     (ARM.format(CLASSES.format(""), "", "", ""), 'damping="1"'),
+    (ARM.format('<default><joint damping="5"/></default>', "", 'damping="1"', ""), 'damping="5"'),
+    (ARM.format('<default><joint damping="5"/>' + CLASSES[9:].format(""), "", 'class="arm"', ""), 'damping="5"'),
     (ARM.format('<default><joint springdamper=".5 1"/></default>', "", 'damping="3"', ""), 'damping="3"'),
     (ARM.format('<option><flag spring="disable"/></option>', "", 'stiffness="9"', ""), 'stiffness="9"'),
     (ARM.format("", "", 'solreffriction=".004 1"', ""), 'solreffriction=".004 1"'),

@@ -140,15 +140,17 @@ class Effects:
     def _of_a_class(self, word: Word, node: Node) -> Lost | None:
         """A default that no element has."""
         inside = next(one for one in node.above() if one.tag == "default")
-        if self._part or not any(self._defaults.alike(node)):
+        if self._part:
             return None  # a library of classes
         name = inside.attributes.get("class", "main")
         own = [one for one in self._nodes if one.tag == "default" and inside in list(one.above())]
         within = {one.attributes.get("class", "main") for one in own}
         of_it = [one for one in self._defaults.alike(node) if self._defaults.class_of(one) in within]
         kind = {"actuator": "actuator", "tendon": "tendon"}.get(family(node.tag), node.tag)
+        if not any(self._defaults.alike(node)):
+            return Lost(f"the file has no {kind}", "", (), "lost")
         if of_it:
-            return None  # each has its own
+            return Lost(f"each {kind} of the class {name} has its own", "", (), "lost")
         # one of several classes that give the word may wait for its use
         elsewhere = any(word.name in n.attributes and inside not in list(n.above()) for n in self._nodes)
         why, fix = f"no {kind} is of the class {name}", f'add class="{name}" to the {kind}'
