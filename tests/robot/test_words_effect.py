@@ -100,6 +100,46 @@ def test_a_word_that_acts_is_left_alone(tmp_path: Path, text: str, said: str) ->
     assert not one.problem
 
 
+URDF = """<robot name="r"><link name="a"/><link name="b"><inertial><mass value="1"/><origin xyz=".3 0 0"/>
+<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link><joint name="j" type="{}"><parent link="a"/>
+<child link="b"/><axis xyz="0 1 0"/><dynamics damping="0.1" friction="0.2"/></joint>{}</robot>"""
+
+
+def test_a_flag_of_mujocos_in_a_urdf_takes_its_friction_there_alone(tmp_path: Path) -> None:
+    text = URDF.format("continuous", '<mujoco><option><flag frictionloss="disable"/></option></mujoco>')
+    assert np.array_equal(moved(text), moved(text.replace('friction="0.2"', "")))
+    path = tmp_path / "a.urdf"
+    path.write_text(text)
+    fates = {one.name: (one.taken("mujoco").fate, one.taken("gazebo").fate) for one in words_in(path).found}
+    assert fates["friction"] == ("dropped", "read")
+    assert fates["damping"] == ("read", "read")
+
+
+def test_a_floating_joint_has_no_damping_where_it_is_made_a_fixed_one(tmp_path: Path) -> None:
+    pybullet = pytest.importorskip("pybullet")
+    path = tmp_path / "a.urdf"
+    path.write_text(URDF.format("floating", ""))
+    client = pybullet.connect(pybullet.DIRECT)
+    try:
+        body = pybullet.loadURDF(str(path), useFixedBase=True, physicsClientId=client)
+        assert pybullet.getJointInfo(body, 0, physicsClientId=client)[2] == pybullet.JOINT_FIXED
+    finally:
+        pybullet.disconnect(client)
+    (damping,) = [one for one in words_in(path).found if one.name == "damping"]
+    assert (damping.taken("pybullet").fate, damping.taken("mujoco").fate) == ("dropped", "read")
+    assert "PyBullet makes a floating joint a fixed one" in damping.note
+
+
+@pytest.mark.parametrize(("kind", "fate"), [("revolute", "dropped"), ("universal", "read")])
+def test_a_second_axis_is_that_of_a_joint_with_two(tmp_path: Path, kind: str, fate: str) -> None:
+    path = tmp_path / "a.sdf"
+    axes = "<axis><xyz>0 1 0</xyz></axis><axis2><xyz>1 0 0</xyz><dynamics><damping>1</damping></dynamics></axis2>"
+    joint = f'<joint name="j" type="{kind}"><parent>a</parent><child>b</child>{axes}</joint>'
+    path.write_text(f'<sdf version="1.9"><model name="m"><link name="a"/><link name="b"/>{joint}</model></sdf>')
+    (damping,) = words_in(path).found
+    assert damping.taken("gazebo").fate == fate
+
+
 VALUES = ("0,5", "0.5 N", "0.5N", ".5,1", "abc", "", "${d}", "nan", "inf", "0.5 1")
 DAMPING: dict[Form, tuple[str, str]] = {
     "mjcf": ("joint", 'damping="{}"'),

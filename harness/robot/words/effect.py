@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final, Literal
 
@@ -54,7 +54,9 @@ class Effects:
             return self._in_mjcf(word, value, node)
         if self._form == "usd":
             return _in_usd(word, node)
-        return _in_urdf(word, node, self._nodes) or _in_a_fixed_joint(word, value, node)
+        found = _in_urdf(word, node, self._nodes) or _by_its_joint(word, value, node)
+        off = self._switched_off(word, node) if found is None and self._form == "urdf" else None
+        return found if off is None else replace(off, readers=_STEPPED)
 
     def _in_mjcf(self, word: Word, value: str, node: Node) -> Lost | None:
         switch = word.unit == "enable, disable"
@@ -269,13 +271,25 @@ def _in_usd(word: Word, node: Node) -> Lost | None:
 _OF_JOINTS: Final = ("friction", "damping", "spring", "armature")
 
 
-def _in_a_fixed_joint(word: Word, value: str, node: Node) -> Lost | None:
+_TWO_AXES: Final = ("universal", "revolute2", "gearbox")
+"""Types of SDF's joints."""
+
+
+def _by_its_joint(word: Word, value: str, node: Node) -> Lost | None:
+    """A model that does not move, and a joint that has no such axis or is taken for a fixed one."""
+    if word.kind not in _OF_JOINTS:
+        return None
     model = next((one for one in node.above() if one.tag == "model"), node)
     still = any(one.tag == "static" and one.text in ("true", "1") for one in model.children)
-    if still and word.form == "sdf" and word.kind in _OF_JOINTS:
+    if still and word.form == "sdf":
         return Lost("its model is static", "take <static> out")
     joint = next((one for one in node.above() if one.tag == "joint"), None)
-    zero = re.fullmatch(r"[0.\s]*", value)
-    if joint is not None and joint.attributes.get("type") == "fixed" and word.kind in _OF_JOINTS and not zero:
+    kind = "" if joint is None or re.fullmatch(r"[0.\s]*", value) else joint.attributes.get("type", "")
+    if kind == "fixed":
         return Lost("the joint is fixed", "write it into a joint that moves")
+    if kind and kind not in _TWO_AXES and any(one.tag == "axis2" for one in node.above()):
+        return Lost(f"a {kind} joint has no second axis", "write it into <axis>")
+    if kind == "floating":
+        why = "PyBullet makes a floating joint a fixed one"
+        return Lost(why, "leave the root link free", ("pybullet",), "lost")
     return None
