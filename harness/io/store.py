@@ -79,6 +79,13 @@ def abandon() -> None:
         folder.close()
 
 
+def clear(parent: Path) -> None:
+    """Remove what processes that have ended left half-written in a folder, and the empty folders they had reserved."""
+    for target in sweep(parent):
+        with suppress(OSError):
+            (parent / target).rmdir()
+
+
 def _make(final: Path) -> tuple[Path, ...]:
     """Make a folder and its parents; return those that were not there, deepest first."""
     missing = [folder for folder in (final, *final.parents) if not folder.exists()]
@@ -99,9 +106,7 @@ def _reserve(name: str, out: Path | None, begun: frozenset[str] = frozenset()) -
         return final, made
     parent = Path.cwd() / DEFAULT_PARENT
     made = _make(parent)
-    for target in sweep(parent):
-        with suppress(OSError):  # the empty folder that a run which was killed had reserved
-            (parent / target).rmdir()
+    clear(parent)
     stamp = f"{name}-{time.strftime('%Y%m%d-%H%M%S')}"
     for attempt in range(1, 1000):
         final = parent / (stamp if attempt == 1 else f"{stamp}-{attempt}")

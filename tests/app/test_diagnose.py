@@ -26,6 +26,7 @@ from harness.core.recording import Recording
 from harness.core.slider import Slider
 from harness.exact.decay import Decay, free_decay
 from harness.io.recording import sha256
+from harness.io.store import output_folder
 from harness.kernels.solve import solve
 from harness.model.document import load
 from harness.model.model import Model, Restoring
@@ -219,6 +220,15 @@ def stand_in(work: Work) -> Answer:
         os._exit(3)
     if "full" in text:
         raise StoreError("a.csv: no space left on the device")
+    if "writes" in text:
+        with output_folder("one", work.folder) as output:
+            (output / "result.json").write_text("{")
+            (work.path.parent / "writing").touch()
+            time.sleep(600)
+    if "fills" in text:
+        while not (work.path.parent / "writing").exists():
+            time.sleep(0.05)
+        raise StoreError("b.csv: no space left on the device")
     if "long" in text:
         time.sleep(600)
     if "bad" in text:
@@ -282,6 +292,13 @@ def test_two_decays_of_what_may_be_one_machine_are_led_on(
     assert said in many.advice
     assert many.advice.endswith(line.format(*map(shlex.quote, files)))
     assert bool(many.advice) is bool(said)
+
+
+def test_a_full_disk_leaves_nothing_of_what_others_were_writing(tmp_path: Path) -> None:
+    named = write(tmp_path, a="writes", b="fills")[:2]
+    with pytest.raises(StoreError, match="no space left"):
+        diagnose_all(named, DiagnoseOptions(), tmp_path / "out", 2, function=stand_in)
+    assert list((tmp_path / "out").iterdir()) == []
 
 
 def test_a_process_that_dies_costs_one_file(tmp_path: Path) -> None:

@@ -2,7 +2,6 @@
 
 import logging
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -21,12 +20,11 @@ from harness.app.shared.progress import SILENT, Progress
 from harness.app.shared.reading import read_as, read_runs
 from harness.app.shared.rows import folder_of, resumable, worked
 from harness.core.errors import HarnessError, InputError, StoreError
-from harness.core.writing import sweep
 from harness.diagnosis.moves.classify import classify
 from harness.diagnosis.moves.kinds import decays_of
 from harness.io.logs.read import source_of
 from harness.io.recording import sha256
-from harness.io.store import held, write_text
+from harness.io.store import clear, held, write_text
 from harness.results.diagnosis import DiagnosisResult, FailedDiagnosis, UnreadRecording
 from harness.results.fleet import FleetResult
 from harness.show.report.diagnosis import index_page
@@ -289,11 +287,15 @@ def computed(
             progress(what, done, total)
         return
     one, lost = partial(_answer, function, cluster is not None), partial(_lost, cluster is not None)
-    with worked(what, left, one, lost, progress, (had, total), jobs=jobs, cluster=cluster, chances=1) as answers:
-        for key, answer in answers:
-            if isinstance(answer, StoreError):
-                raise answer
-            yield key, answer
+    try:
+        with worked(what, left, one, lost, progress, (had, total), jobs=jobs, cluster=cluster, chances=1) as answers:
+            for key, answer in answers:
+                if isinstance(answer, StoreError):
+                    raise answer
+                yield key, answer
+    finally:
+        for folder in {work.folder.parent for work in left}:
+            clear(folder)  # of the workers that were ended within a row
 
 
 def _answer(function: Callable[[Work], Answer], elsewhere: bool, work: Work) -> Keyed:
@@ -306,7 +308,5 @@ def _answer(function: Callable[[Work], Answer], elsewhere: bool, work: Work) -> 
 
 def _lost(elsewhere: bool, work: Work, reason: str) -> Keyed:
     """The entry of a file whose worker died, and nothing half-written."""
-    sweep(work.folder.parent, work.folder.name)
-    with suppress(OSError):
-        work.folder.rmdir()
+    clear(work.folder.parent)
     return work.key, failed(work.label, reason if elsewhere else _DIED)
