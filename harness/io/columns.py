@@ -199,6 +199,17 @@ def is_torque(name: str) -> bool:
     return bool(_TORQUE.search(name.lower()))
 
 
+_CURRENT = re.compile(r"current(?!ly)|strom|courant|corriente|电流|電流|전류|\bi_?q\b|\bi_?mot\b|motor_?i\b")
+
+
+def is_current(name: str, unit: str) -> bool:
+    """Whether a column, by its name and unit, is a motor's current."""
+    return bool(_AMPERES.fullmatch(unit) if unit else _CURRENT.search(name.lower()))
+
+
+_AMPERES = re.compile(r"[mµμk]?A|amp(?:ere)?s?", re.IGNORECASE)
+
+
 _NO_MOTION = re.compile(
     r"temp[eé]rat|humid|humed|feucht|pressure|pression|presi[oó]n|druck|power|leistung|puissance|potencia|energy|current"
     r"|strom|courant|corriente|heart|price|latitude|longitude|volume|温度|湿度|气压|気圧|电流|電流|功率|온도|습도|전류"

@@ -15,7 +15,7 @@ from harness.core.bounded import MOST_BYTES, check_file, check_size
 from harness.core.errors import InputError
 from harness.core.recording import CHANNELS, LARGEST, LONGEST_TIME, MINIMUM_SAMPLES, Recording
 from harness.io.choose import as_angles, chosen, products, quoted_of, said, unscaled
-from harness.io.columns import Mapping, is_magnitude, is_no_motion, parse_columns
+from harness.io.columns import Mapping, is_current, is_magnitude, is_no_motion, parse_columns
 from harness.io.encoders import at_clocked_edges, at_edges, unwrapped
 from harness.io.join import joined
 from harness.io.logs.suspicions import FACTORS, NEAR, ratio, unsigned
@@ -243,7 +243,7 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
             **{channel: read[channel][1].text for channel in columns if read[channel][1].text},
         },
         angular=angular,
-        extra=about | ({"commanded": True} if choice.commanded else {}),
+        extra=about | ({"commanded": True} if choice.commanded else {}) | _current(table, columns, angular),
         notes=(*filter(None, notes), *filter(None, mended), *(() if steady else sampling_notes(t))),
         covariates=covariates,
         columns=columns,
@@ -265,6 +265,22 @@ def _beside(table: Table, mappings: dict[str, Mapping], options: ReadOptions) ->
         return None
     options_of = " ".join(f"--covariate '{name}'" for name in found)
     return f"The table holds {' and '.join(found)} besides, whose effect counts as noise here: {options_of} asks it."
+
+
+def _current(table: Table, columns: dict[str, str], angular: bool) -> dict[str, str]:
+    """Under "current", what makes a motor's current, which no channel reads, the force that is missing."""
+    if "u" in columns:
+        return {}
+    for i in (i for i, name in enumerate(table.names) if is_current(name, table.units.get(i, ""))):
+        with suppress(InputError):
+            values = table.columns([i])[0]
+            if values.size > 1 and np.nanmax(values) > np.nanmin(values):
+                torque = "Nm" if angular else "N"
+                paste = ",".join([*(f"{c}={one}" for c, one in columns.items()), f"u=1*{table.quoted(i)}[{torque}]"])
+                said = f'{table.headers[i]} is not read; if it drives this, try: --columns "{paste}"'
+                worth = f"{torque} per {table.units.get(i) or 'unit'}, a motor's constant times the gear"
+                return {"current": f"{said} with the {worth}, in place of 1"}
+    return {}
 
 
 Series = dict[str, FloatArray]

@@ -10,6 +10,7 @@ import pytest
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
+from harness.diagnosis.moves.classify import classify
 from harness.io.options import ReadOptions
 from harness.io.recording import read_recording
 
@@ -441,3 +442,30 @@ def test_percent_of_a_torque_is_asked_in_newton_metres_and_a_temperature_is_told
     assert any("--covariate 'temperature' asks it" in note for note in read_recording(warm).notes)
     asked_for = read_recording(warm, ReadOptions(covariates=("temperature",)))
     assert not any("asks it" in note for note in asked_for.notes)
+
+
+@pytest.mark.parametrize(
+    ("header", "torque", "worth"),
+    [
+        ("t [s],angle [rad],current [A]", True, "Nm per A"),
+        ("t [s],x [mm],Motorstrom [mA]", False, "N per mA"),
+        ("t [s],x [mm],iq", False, "N per unit"),
+        ("t [s],x [mm],laser [V]", False, ""),
+    ],
+)
+def test_a_current_beside_what_is_driven_is_offered_as_its_force(
+    tmp_path: Path, header: str, torque: bool, worth: str
+) -> None:
+    """The line that is printed reads it, with the torque constant times the gear in place of 1."""
+    t = np.arange(0.0, 20.0, 0.01)
+    path = written(tmp_path / "motor.csv", header, t, np.sin(3.0 * t), 0.3 * np.sin(3.0 * t + 1.0))
+    wanted = classify(read_recording(path)).wanted
+    if not worth:
+        assert "record the force or current" in wanted
+        return
+    assert f"with the {worth}, a motor's constant times the gear" in wanted
+    columns = wanted.split('--columns "')[1].split('"')[0]
+    driven = read_recording(path, ReadOptions(columns=columns.replace("u=1*", "u=2*")))
+    np.testing.assert_allclose(driven["u"], 0.6 * np.sin(3.0 * t + 1.0), atol=1e-8)
+    assert driven.angular is torque
+    assert not classify(driven).wanted

@@ -32,6 +32,10 @@ def classify(recording: Recording, restoring: Restoring | None = None) -> Moves:
 
     One channel tells: x where there is one, else v, else a.
     """
+    return replace(_classified(recording, restoring), current=recording.extra.get("current", ""))
+
+
+def _classified(recording: Recording, restoring: Restoring | None) -> Moves:
     if recording.steady:
         return Moves(MotionKind.FRICTION_CURVE, "speeds that were held, with the forces that held them", forced=True)
     name = next(c for c in ("x", "v", "a") if c in recording)

@@ -27,30 +27,34 @@ class MotionKind(StrEnum):
 
 _FORCE = "record the force or current that drives it as a column u, or let it go and record until it rests"
 _WANTED = {
-    MotionKind.SLOW_AXIS: f"its drive hides friction: {_FORCE}",
+    MotionKind.SLOW_AXIS: "its drive hides friction: {force}",
     MotionKind.HELD: "what is held shows no friction: let it go and record until it rests",
-    MotionKind.STEPS: f"its controller hides friction: {_FORCE}",
-    MotionKind.SPIN_UP: f"its drive hides friction: switch it off and record until it rests, or {_FORCE}",
-    MotionKind.AT_REST: f"nothing moves: {_FORCE}",
-    MotionKind.NOT_MECHANICAL: f"no slider moves so: {_FORCE}",
-    MotionKind.DRIVEN: f"something moves it whose force is not known, or it is hardly damped: {_FORCE}",
+    MotionKind.STEPS: "its controller hides friction: {force}",
+    MotionKind.SPIN_UP: "its drive hides friction (switch it off and record until it rests): {force}",
+    MotionKind.AT_REST: "nothing moves: {force}",
+    MotionKind.NOT_MECHANICAL: "no slider moves so: {force}",
+    MotionKind.DRIVEN: "something moves it whose force is not known, or it is hardly damped: {force}",
 }
 Span = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
 class Moves:
-    """reason : what was seen, in a line. spans : of the decays, or of the run-downs, s. forced : its force is known."""
+    """reason : what was seen, in a line. spans : of the decays, or of the run-downs, s. forced : its force is known.
+
+    current : how a column that is there may be that force, "" where there is none.
+    """
 
     kind: MotionKind
     reason: str
     spans: tuple[Span, ...] = ()
     forced: bool = False
+    current: str = ""
 
     @property
     def wanted(self) -> str:
         """What recording would tell friction, where this one does not; "" where it does."""
-        return "" if self.forced else _WANTED.get(self.kind, "")
+        return "" if self.forced else _WANTED.get(self.kind, "").format(force=self.current or _FORCE)
 
     def refuse(self, file: str) -> None:
         """Raise InputError for what tells nothing of friction; what is driven unseen is still followed as a swing."""
