@@ -46,8 +46,7 @@ def as_it_acts(problem: InverseDynamics, u: FloatArray) -> tuple[InverseDynamics
 
 def _left(problem: InverseDynamics) -> float:
     """Sum of squares of the force that is left, N^2."""
-    base, scales = force_baseline(problem)
-    return float(np.sum((problem.rows["u"] - nearest(base, problem, scales).shown.y["u"]) ** 2))
+    return float(np.sum((problem.rows["u"] - nearest(problem).shown.y["u"]) ** 2))
 
 
 def with_covariates(
@@ -73,11 +72,11 @@ def with_unseen_mass(problem: InverseDynamics) -> InverseDynamics:
     """
     if not problem.mass_names:
         return problem
-    base, scales, measured = *force_baseline(problem), problem.measured
+    (base, _), measured = force_baseline(problem), problem.measured
     a = float(np.sqrt(np.mean(measured.blocks(measured.a) ** 2)))
     if a <= 0.0:
         return problem
-    best = nearest(base, problem, scales)
+    best = nearest(problem)
     mass = MASS_UNSEEN.value * float(np.sqrt(np.mean(best.residual**2))) / a
     if best.model.m >= mass:
         return problem

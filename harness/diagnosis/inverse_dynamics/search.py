@@ -66,12 +66,24 @@ def force_baseline(problem: InverseDynamics) -> tuple[Fit, Scales]:
 
     Raises SimulationError when little moves or the base model cannot be fitted.
     """
+    return problem.once(_force_baseline)
+
+
+def _force_baseline(problem: InverseDynamics) -> tuple[Fit, Scales]:
     scales = driven_scales(problem, problem.first)
     return fit(problem.first, problem, free_of(problem.first, problem.base_names), scales), scales
 
 
-def nearest(base: Fit, problem: InverseDynamics, scales: Scales) -> Fit:
-    """The fit that leaves least of a force: the base model's, or one with one law more, hastily."""
+def nearest(problem: InverseDynamics) -> Fit:
+    """The fit that leaves least of a force: the base model's, or one with one law more, hastily.
+
+    Raises SimulationError when little moves or the base model cannot be fitted.
+    """
+    return problem.once(_nearest)
+
+
+def _nearest(problem: InverseDynamics) -> Fit:
+    base, scales = force_baseline(problem)
     return min((base, *with_one_more(scales, base, problem, HASTY)), key=lambda found: found.chi2)
 
 
@@ -88,8 +100,8 @@ def under_noise(problem: Q) -> Q:
     measured, scatter = problem.measured, channel_noise(problem.t, problem.drive.at(problem.t), rests=True)
     own = scatter.sigma if scatter.found else 0.0
     for _ in range(_ROUNDS):
-        base, scales = force_baseline(problem)
-        left = problem.rows["u"] - nearest(base, problem, scales).shown.y["u"]
+        base, _ = force_baseline(problem)
+        left = problem.rows["u"] - nearest(problem).shown.y["u"]
         left = left - problem.later(left)[0] * measured.late
         if not np.any(left):
             return problem

@@ -7,9 +7,9 @@ values, and standard errors come from the residual's own covariance with the par
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Self, TypeVar
+from typing import Any, Self, TypeVar
 
 import numpy as np
 from scipy.special import ndtri
@@ -27,6 +27,7 @@ from harness.fit.series import memory
 from harness.kernels.solve import By, Effort, Scales
 from harness.model.model import Model
 
+R = TypeVar("R")
 _SETTLED = 1e-9
 """Share of the sum of squares below which a step is the last."""
 
@@ -44,10 +45,7 @@ class InverseDynamics(Forced):
     fixed: Measured | None = None
     independent: float | None = None
     covariance: ForceCovariance | None = None
-    _factor: FloatArray | None = field(init=False, default=None, repr=False, compare=False)
-    _late: FloatArray | None = field(init=False, default=None, repr=False, compare=False)
-    _rough: float | None = field(init=False, default=None, repr=False, compare=False)
-    _measured: Measured | None = field(init=False, default=None, repr=False, compare=False)
+    _made: dict[Callable[..., Any], Any] = field(init=False, default_factory=dict, repr=False, compare=False)
 
     @classmethod
     def of(cls, driven: Driven, windows: Windows) -> "InverseDynamics":
@@ -57,12 +55,14 @@ class InverseDynamics(Forced):
     @property
     def measured(self) -> Measured:
         """Motion and force, smoothed alike. Raises SimulationError when little moves."""
-        if self.fixed is not None:
-            return self.fixed
-        if self._measured is None:
-            object.__setattr__(self, "_measured", Measured.of(self))
-        assert self._measured is not None
-        return self._measured
+        return self.once(Measured.of) if self.fixed is None else self.fixed
+
+    def once(self, work: Callable[[Self], R]) -> R:
+        """What work makes of this problem, which does not change: whoever asks again is given the same."""
+        if work not in self._made:
+            self._made[work] = work(self)
+        made: R = self._made[work]
+        return made
 
     @property
     def rows(self) -> Mapping[str, FloatArray]:
@@ -115,18 +115,12 @@ class InverseDynamics(Forced):
 
     @property
     def _later(self) -> FloatArray:
-        if self._late is None:
-            object.__setattr__(self, "_late", self._white(self.measured.even(self.measured.late)))
-        assert self._late is not None
-        return self._late
+        return self.once(_late)
 
     def _white(self, values: FloatArray) -> FloatArray:
         if self.covariance is None:
             return values
-        if self._factor is None:
-            object.__setattr__(self, "_factor", self.covariance.factor(self.measured))
-        assert self._factor is not None
-        return white(self._factor, values)
+        return white(self.once(_factor), values)
 
     @property
     def precision(self) -> float:
@@ -134,15 +128,7 @@ class InverseDynamics(Forced):
 
         As long as the level is not known, of what the first model leaves.
         """
-        if self.independent is not None:
-            return self.unit
-        if self._rough is None:
-            seen = self.measured
-            left = self._white(seen.even(self.rows["u"] - seen.asked(self.first)[0]))
-            squares = max(float(left @ left), 1e-300)
-            object.__setattr__(self, "_rough", math.sqrt(memory(left).independent / squares))
-        assert self._rough is not None
-        return self._rough
+        return self.once(_rough) if self.independent is None else self.unit
 
     @property
     def unit(self) -> float:
@@ -225,6 +211,25 @@ class InverseDynamics(Forced):
         level = math.sqrt(float(residual @ residual) / residual.size)
         noise = {**self.noise, "u": Noise(level, True, 0.0, 0.0)}
         return replace(self, noise=noise, independent=independent, fixed=self.measured)
+
+
+def _late(problem: InverseDynamics) -> FloatArray:
+    """What a force that acts a sample later would be less, white, (m,)."""
+    return problem._white(problem.measured.even(problem.measured.late))
+
+
+def _factor(problem: InverseDynamics) -> FloatArray:
+    """See ForceCovariance.factor."""
+    assert problem.covariance is not None
+    return problem.covariance.factor(problem.measured)
+
+
+def _rough(problem: InverseDynamics) -> float:
+    """The precision by what the first model leaves."""
+    seen = problem.measured
+    left = problem._white(seen.even(problem.rows["u"] - seen.asked(problem.first)[0]))
+    squares = max(float(left @ left), 1e-300)
+    return math.sqrt(memory(left).independent / squares)
 
 
 F = TypeVar("F", Driven, InverseDynamics)
