@@ -5,6 +5,8 @@ import math
 import signal
 import subprocess
 import sys
+import threading
+import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future
@@ -242,6 +244,15 @@ def test_a_row_that_kills_its_worker_is_found_and_the_others_lose_nothing() -> N
     for spec in specs:
         died = spec.preset == sweep_deaths.KILLER
         assert reasons[spec.key] == ("its worker process died, 2 times out of 2" if died else "light")
+
+
+def test_a_pool_that_is_let_go_has_no_thread_left_that_closes_its_pipes_at_exit() -> None:
+    before = set(threading.enumerate())
+    workers = LocalPool(2)
+    work = [workers.executor.submit(time.sleep, 0.2) for _ in range(50)]
+    work[0].result()
+    workers.close()
+    assert set(threading.enumerate()) <= before
 
 
 class Deserted:

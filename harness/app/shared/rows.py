@@ -61,6 +61,7 @@ class LocalPool:
     def close(self) -> None:
         """Let go of everything at once, rows in work too."""
         processes = list((getattr(self.executor, "_processes", None) or {}).values())
+        manager = getattr(self.executor, "_executor_manager_thread", None)
         self.executor.shutdown(wait=False, cancel_futures=True)
         for process in processes:
             with suppress(OSError, ValueError):
@@ -68,6 +69,8 @@ class LocalPool:
         for process in processes:
             with suppress(OSError, ValueError, AssertionError):
                 process.join(5.0)
+        if manager is not None:
+            manager.join(5.0)  # at exit the interpreter would write to pipes that this thread is closing
 
 
 def _settle(parent: int) -> None:
