@@ -115,14 +115,15 @@ def _followed(
     model.dof_armature[still] = _LOCKED
     model.actuator_gainprm[:] = model.actuator_biasprm[:] = 0.0
     inertia, data = np.array([reduced(arm, name).moved for name in arm.joints]), mujoco.MjData(model)
-    data.qpos[:], data.qvel[:] = wanted[0][0], wanted[1][0]
+    q, v, applied = data.qpos, data.qvel, data.qfrc_applied
+    q[:], v[:] = wanted[0][0], wanted[1][0]
     found = np.zeros((3, *wanted[0].shape))
     for k in range(wanted[0].shape[0]):
-        data.qpos[still], data.qvel[still] = wanted[0][k, still], 0.0
-        behind, slow = wanted[0][k] - data.qpos, wanted[1][k] - data.qvel
+        q[still], v[still] = wanted[0][k, still], 0.0
+        behind, slow = wanted[0][k] - q, wanted[1][k] - v
         torque = inertia * _BANDWIDTH * (_STIFF * _BANDWIDTH * behind + _DAMPED * _BANDWIDTH * slow)
-        found[:, k] = data.qpos, data.qvel, torque
-        data.qfrc_applied[:] = torque - offset
+        found[0, k], found[1, k], found[2, k] = q, v, torque
+        applied[:] = torque - offset
         mujoco.mj_step(model, data, substeps)
     return found
 

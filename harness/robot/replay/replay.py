@@ -52,17 +52,18 @@ def replay(arm: Arm, drive: Drive) -> Motion:
     model.dof_frictionloss[at], model.dof_damping[at] = arm.frictionloss[at], arm.damping[at]
     model.dof_armature[others] = _LED
     data = mujoco.MjData(model)
+    place, speed, applied = data.qpos, data.qvel, data.qfrc_applied
+    led_q, led_v, led_by = drive.q[:, others], drive.v[:, others], _LED * drive.a[:, others]
     q, v = np.full(drive.t.size, np.nan), np.full(drive.t.size, np.nan)
     with warned():
         for first, last in drive.windows:
             mujoco.mj_resetData(model, data)
-            data.qpos[at], data.qvel[at] = q[first], v[first] = drive.q[first, at], drive.v[first, at]
+            place[at], speed[at] = q[first], v[first] = drive.q[first, at], drive.v[first, at]
             for k in range(first, last):
-                data.qpos[others], data.qvel[others] = drive.q[k, others], drive.v[k, others]
-                data.qfrc_applied[others] = _LED * drive.a[k, others]
-                data.qfrc_applied[at] = drive.u[k]
+                place[others], speed[others], applied[others] = led_q[k], led_v[k], led_by[k]
+                applied[at] = drive.u[k]
                 mujoco.mj_step(model, data)
-                q[k + 1], v[k + 1] = data.qpos[at], data.qvel[at]
+                q[k + 1], v[k + 1] = place[at], speed[at]
     return q, v
 
 
