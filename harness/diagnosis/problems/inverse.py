@@ -14,7 +14,7 @@ from typing import Any, Self, TypeVar
 import numpy as np
 from scipy.special import ndtri
 
-from harness.core.arrays import BoolArray, FloatArray
+from harness.core.arrays import BoolArray, FloatArray, ModeArray
 from harness.core.events import Events
 from harness.diagnosis.problem import Observation
 from harness.diagnosis.problems.driven import Driven, Forced
@@ -67,15 +67,13 @@ class InverseDynamics(Forced):
     @property
     def rows(self) -> Mapping[str, FloatArray]:
         """The force, N, mean over the blocks that count."""
-        return {"u": self.measured.blocks(self.measured.u)}
+        return self.once(_rows)
 
     def shows(self, model: Model, by: tuple[By, ...], scales: Scales | None, effort: Effort) -> Observation:
         """The force that a model asks for, and the motion as it was measured."""
         seen = self.measured
         force, partials = seen.asked(model, by)
-        moving = np.repeat(seen.moving, seen.t.size // seen.moving.size)
-        mode = np.where(moving, np.sign(seen.v), 0.0).astype(np.int8)
-        return Observation({"u": force}, {"u": partials}, seen.x, seen.v, seen.a, mode, Events())
+        return Observation({"u": force}, {"u": partials}, seen.x, seen.v, seen.a, self.once(_mode), _NO_EVENTS)
 
     def whitened(self, values: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         """Over the level of its recording, in ``unit``s: what is left stays coloured.
@@ -211,6 +209,21 @@ class InverseDynamics(Forced):
         level = math.sqrt(float(residual @ residual) / residual.size)
         noise = {**self.noise, "u": Noise(level, True, 0.0, 0.0)}
         return replace(self, noise=noise, independent=independent, fixed=self.measured)
+
+
+_NO_EVENTS = Events()
+
+
+def _rows(problem: InverseDynamics) -> Mapping[str, FloatArray]:
+    """See InverseDynamics.rows."""
+    return {"u": problem.measured.blocks(problem.measured.u)}
+
+
+def _mode(problem: InverseDynamics) -> ModeArray:
+    """The side to which it slides at every sample of the motion as it was measured, (n,)."""
+    seen = problem.measured
+    moving = np.repeat(seen.moving, seen.t.size // seen.moving.size)
+    return np.where(moving, np.sign(seen.v), 0.0).astype(np.int8)
 
 
 def _late(problem: InverseDynamics) -> FloatArray:
