@@ -3,6 +3,7 @@
 And what a motion can tell of a joint's friction, from its columns alone, and the motion that would mend it.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -69,10 +70,11 @@ def two_joints(sign: int) -> Arm:
     return Arm("two.xml", model, ("shoulder", "elbow"), np.array([0.05, 0.02]), none, none)
 
 
-def swung(sign: int, seconds: float = 12.0) -> JointLog:
+def swung(sign: int, seconds: float = 12.0, quick: float = 0.02) -> JointLog:
+    """quick : rad, of a wave of 2 Hz on a slow one."""
     t = np.arange(round(seconds * 500)) / 500.0
     turns = 2 * np.pi * np.array([[0.31, 0.47], [1.7, 2.1]])
-    size = np.array([[0.5, 0.6], [0.02, 0.02]])
+    size = np.array([[0.5, 0.6], [quick, quick]])
     angle = t[:, None, None] * turns
     q, v = np.sum(size * np.sin(angle), axis=1), np.sum(size * turns * np.cos(angle), axis=1)
     a = -np.sum(size * turns**2 * np.sin(angle), axis=1)
@@ -91,6 +93,32 @@ def test_the_direction_in_which_angles_are_counted_turns_the_offset_alone() -> N
     assert one.named == other.named
     assert base_of(other) == pytest.approx(base_of(one) * [1.0, 1.0, -1.0], abs=1e-9)
     assert base_of(one) == pytest.approx(np.array([[1.5, 0.8, 0.2], [0.7, 0.3, 0.2]]), abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("law", "name", "numbers"),
+    [
+        (lambda v: 0.5 / (1.0 + (v / 0.6) ** 2), "stribeck", {"f_s - f_c": 0.5, "v_s": 0.6}),
+        (lambda v: 0.5 * np.exp(-np.abs(v) / 0.5), "stribeck", {"f_s - f_c": 0.5, "v_s": 0.5}),
+    ],
+    ids=("Lorentzian", "exponential"),
+)
+def test_a_law_in_another_form_takes_one_name_with_its_numbers(
+    law: Callable[[Any], Any], name: str, numbers: dict[str, float]
+) -> None:
+    """Of the elbow alone, beside Coulomb .7 and viscous friction .3; neither a second name nor one of the shoulder."""
+    log = swung(1, 30.0, quick=0.0)
+    v = np.gradient(log.position["elbow"], log.t)
+    effort = {**log.effort, "elbow": log.effort["elbow"] + law(v) * np.sign(v)}
+    found = whole_arm(replace(log, effort=effort), two_joints(1))
+    assert found.named == ((name, "elbow"),)
+    said = dict(found.joint("elbow").effects[0].parameters)
+    for number, true in numbers.items():
+        value, error = said[number].value, said[number].stderr
+        assert value is not None
+        assert error is not None
+        assert abs(value - true) < 3.0 * error
+        assert error < 0.2 * true
 
 
 def test_uneven_stamps_are_put_on_even_ones_and_that_is_said() -> None:

@@ -1,7 +1,7 @@
 """Columns that may be added to the regression of a whole arm: laws of friction, errors of the rigid model."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -85,7 +85,8 @@ class Candidate:
     that this one is the best of, where it was chosen among them and polished. positive : the first number is above 0,
     or the effect is not what its name says. viscous : it stands in place of the joint's viscous friction. among : what
     a polished one was before. limits : between which its value may come out, by default the first and the last tried.
-    bodies : where a load may sit, by value; the first stands unless another is surely better.
+    bodies : where a load may sit, by value; the first stands unless another is surely better. form : what its law is in
+    place of the catalogue's own formula. forms : the same law in others.
     """
 
     name: str
@@ -102,6 +103,8 @@ class Candidate:
     among: "Candidate | None" = None
     limits: tuple[float, float] | None = None
     bodies: tuple[int, ...] = ()
+    form: str = ""
+    forms: "tuple[Candidate, ...]" = ()
 
     @property
     def key(self) -> tuple[str, int | None]:
@@ -165,18 +168,45 @@ def of_friction(
     )
 
 
+_FALLS: Mapping[str, Callable[[FloatArray], FloatArray]] = {
+    "": lambda u: np.exp(-(u**2)),
+    "an exponential": lambda u: np.exp(-u),
+    "a Lorentzian": lambda u: 1.0 / (1.0 + u**2),
+}
+"""What is left of a fall at so many Stribeck speeds, by its form (Armstrong, Dupont and Canudas de Wit 1994)."""
+_TAIL = 3.0
+"""Stribeck speeds at which other forms' tails still hold 5 and 10 % of a fall, and show it; a Gaussian is gone."""
+
+
 def fall_with_speed(
-    name: str, filtered: Filtered, joint: int, speeds: FloatArray, limits: tuple[float, float] | None = None
-) -> Candidate:
+    name: str, filtered: Filtered, joint: int, speeds: FloatArray, limits: tuple[float, float] | None = None,
+    form: str = "",
+) -> Candidate:  # fmt: skip
     """Friction that is higher at rest and falls with speed."""
-    v = filtered.v_fine[:, filtered.dof[joint]]
+    v, left = filtered.v_fine[:, filtered.dof[joint]], _FALLS[form]
     sign = signs(v)
 
     def fallen(v_s: float) -> FloatArray:
-        return filtered.column((sign * np.exp(-((v / v_s) ** 2)))[:, None], jumps=True)
+        return filtered.column((sign * left(np.abs(v) / v_s))[:, None], jumps=True)
 
     found = of_friction(name, joint, (("f_s - f_c", "N m"),), fallen, ("v_s", "rad/s"), speeds)
-    return replace(found, positive=True, limits=limits)
+    return replace(found, positive=True, limits=limits, form=form)
+
+
+def falling(filtered: Filtered, joint: int, kept: BoolArray) -> Candidate | None:
+    """The fall with speed that samples ``kept`` (m,) of a joint may show; None where none of them are slow."""
+    slow = np.abs(filtered.v[kept, filtered.dof[joint]])
+    if not slow.size or not (least := np.quantile(slow, COVERED.value)) > 0.0:
+        return None
+    most, slowest, fastest = float(np.quantile(slow, 0.7)), float(np.min(slow)), float(np.max(slow))
+
+    def of(form: str) -> Candidate:
+        tail = _TAIL if form else 1.0
+        speeds = np.geomspace(least / tail, most, _SPEEDS)
+        return fall_with_speed(STRIBECK, filtered, joint, speeds, (slowest / tail, fastest), form)
+
+    own, *others = map(of, _FALLS)
+    return replace(own, forms=tuple(others))
 
 
 def friction_candidates(filtered: Filtered, joint: int, gravity: FloatArray, kept: BoolArray) -> Iterator[Candidate]:
@@ -188,10 +218,8 @@ def friction_candidates(filtered: Filtered, joint: int, gravity: FloatArray, kep
     def one(name: str, number: str, unit: str, column: FloatArray, jumps: bool = False) -> Candidate:
         return of_friction(name, joint, ((number, unit),), filtered.column(column[:, None], jumps))
 
-    slow = np.abs(filtered.v[kept, dof])
-    if slow.size and (least := np.quantile(slow, COVERED.value)) > 0.0:
-        speeds = np.geomspace(least, np.quantile(slow, 0.7), _SPEEDS)
-        yield fall_with_speed(STRIBECK, filtered, joint, speeds, (float(np.min(slow)), float(np.max(slow))))
+    if (fall := falling(filtered, joint, kept)) is not None:
+        yield fall
     if np.ptp(gravity) > _NOTHING:
         yield one(LOAD, "share of load", "1", sign * np.abs(gravity), jumps=True)
     yield one(ASYMMETRIC, "half difference", "N m s/rad", np.abs(v))

@@ -20,6 +20,7 @@ from harness.robot.whole_arm.columns import (
     WITHIN_A_SAMPLE,
     ZERO,
     Candidate,
+    falling,
     friction_candidates,
     model_candidates,
     signs,
@@ -106,31 +107,54 @@ def _noise(filtered: Filtered, arm: Arm) -> FloatArray:
     return np.sqrt(np.square(filtered.torque_noise) + inertia @ filtered.acceleration_noise**2)
 
 
-def _guarded(
-    filtered: Filtered, joint: int, torque: FloatArray, base: FloatArray, floor: float
-) -> tuple[float, BoolArray, FloatArray, Noise]:
+_Guard = tuple[float, BoolArray, FloatArray, Noise]
+"""Width, s, of a guard, samples (m,) outside of it, numbers of a fit to them and the noise of what it leaves."""
+
+
+def _guarded(filtered: Filtered, joint: int, torque: FloatArray, base: FloatArray, floor: float) -> _Guard:
     """Width, s, and samples of the guard that stands when Coulomb friction moves by less than its error.
 
-    With them Coulomb, viscous friction and offset by plain least squares, and the noise of what is left.
+    With them Coulomb, viscous friction and offset by plain least squares, and the noise of what is left. Beside a fall
+    with speed that the narrowest guard shows as surely as a name asks it may as well stand: that moves Coulomb friction
+    all the way, and a guard that grew for it would leave none of the samples that tell it.
     """
 
-    def plain(width: float) -> tuple[float, BoolArray, FloatArray, Noise]:
+    def plain(width: float, columns: FloatArray) -> _Guard:
         kept = filtered.away(joint, width)
-        numbers = np.linalg.lstsq(base[kept], torque[kept], rcond=None)[0]
-        noise = Noise.learnt(torque - base @ numbers, Stretches.of(kept), base.shape[1], floor)
+        numbers = np.linalg.lstsq(columns[kept], torque[kept], rcond=None)[0]
+        noise = Noise.learnt(torque - columns @ numbers, Stretches.of(kept), columns.shape[1], floor)
         return width, kept, np.asarray(numbers, dtype=np.float64), noise
 
-    found = plain(GUARD.value / filtered.band.lowpass)
+    def steady(one: _Guard, wider: _Guard, columns: FloatArray) -> bool:
+        white = wider[3].whitening(Stretches.of(wider[1])).of(columns)
+        return bool(abs(wider[2][0] - one[2][0]) < np.sqrt(np.linalg.pinv(white.T @ white)[0, 0]))
+
+    found = [plain(GUARD.value / filtered.band.lowpass, base)]
+    part = Part(torque, base, np.full(base.shape[1], np.inf), Stretches.of(found[0][1]), found[0][3], floor)
+    tried = [base]
+    if (fallen := _fallen(filtered, joint, part)) is not None:
+        tried.append(np.column_stack((base, fallen)))
+        found.append(plain(found[0][0], tried[1]))
     for _ in range(_WIDEST):
-        width, kept, (coulomb, *_), _ = found
-        if np.sum(filtered.away(joint, width * _WIDER)) < max(LEAST_SAMPLES.value, 0.5 * np.sum(kept)):
+        width, kept = found[0][0] * _WIDER, found[0][1]
+        if np.sum(filtered.away(joint, width)) < max(LEAST_SAMPLES.value, 0.5 * np.sum(kept)):
             break
-        wider = plain(width * _WIDER)
-        white = wider[3].whitening(Stretches.of(wider[1])).of(base)
-        if abs(wider[2][0] - coulomb) < float(np.sqrt(np.linalg.pinv(white.T @ white)[0, 0])):
+        wider = [plain(width, columns) for columns in tried]
+        if any(map(steady, found, wider, tried)):
             break
         found = wider
-    return found
+    return found[-1]
+
+
+def _fallen(filtered: Filtered, joint: int, part: Part) -> FloatArray | None:
+    """Column (m, 1) of the fall with speed that guarded samples surely show, None where they show none."""
+    fall, parts = falling(filtered, joint, part.stretches.kept), {joint: part}
+    plain = Design(parts, ())
+    if fall is None or plain.score(Whitened.of(fall, parts)).evidence < NAMED.value:
+        return None
+    forms = (plain.score(Whitened.of(one, parts)) for one in (fall, *fall.forms))
+    (best,), _ = settled(parts, [max(forms, key=lambda one: one.gain)])
+    return best.torque[joint][:, :1]
 
 
 def _beside_everything(part: Part, joint: int, candidates: list[Candidate]) -> Part:
@@ -310,7 +334,19 @@ def polished(parts: Parts, others: Sequence[Named], named: Named) -> tuple[list[
         # chosen beside viscous friction, which is gone once it is in
         every = [Design(parts, [*others, replace(named, setting=i)]) for i in range(len(candidate.values))]
         named = min(every, key=lambda one: float(one.residual @ one.residual)).named[-1]
-    return settled(parts, [*others, named])
+    found = settled(parts, [*others, named])
+    # one law in another form would take a second name for what the first leaves
+    beside, forms = Design(parts, others), list[tuple[list[Named], Design]]()
+    for form in candidate.forms:
+        one = beside.score(Whitened.of(form, parts))
+        many = replace(one.whitened, looks=one.whitened.looks * (1 + len(candidate.forms)))
+        forms.append(settled(parts, [*others, replace(one, whitened=many, evidence=named.evidence)]))
+    best = min(forms, key=_squares, default=found)
+    return best if _squares(best) < _squares(found) - RIVAL.value else found
+
+
+def _squares(fitted: tuple[list[Named], Design]) -> float:
+    return float(fitted[1].residual @ fitted[1].residual)
 
 
 def settled(parts: Parts, named: Sequence[Named]) -> tuple[list[Named], Design]:

@@ -58,7 +58,8 @@ def at_reversals(solved: Solved, joint: int) -> Turned | None:
     filtered, design = solved.problem.filtered, solved.model.design
     falling = [one for one in solved.model.of_joint(joint) if one.candidate.name == STRIBECK]
     covered = np.quantile(np.abs(filtered.v[design.parts[joint].stretches.kept, filtered.dof[joint]]), COVERED.value)
-    if falling and falling[0].value <= AT_EDGE.value * float(covered):
+    # of a Gaussian that falls below them guarded samples saw the foot alone; another form's tail they saw
+    if falling and not falling[0].candidate.form and falling[0].value <= AT_EDGE.value * float(covered):
         instead = _turned(solved, joint, without=STRIBECK)
         if instead and instead.named.candidate.name == STATIC:
             return replace(instead, of_stribeck=True)

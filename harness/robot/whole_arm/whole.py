@@ -349,6 +349,8 @@ class _Told:
             body = called(self.arm, candidate.bodies[one.setting])
             place, partner, pair = f"on {body}", f"mass of {body}", f"extra mass on {body}"
         said = _SAID[name].format(*map(str, found.values()), all=everything, place=place)
+        if candidate.form:
+            said = f"{said.removesuffix('.')}, as {candidate.form}."
         if name in ERRORS:
             said += f" ({joint})" if joint else ""
             said += f", or it is the {partner}: no log of this kind can tell." if partner else "."
