@@ -52,7 +52,10 @@ def whole_line(error: Exception, group: click.Group) -> str:
         return f"{message[: options.start()]}Try: {line}{options['rest'] or ''}"
     about = error.where if isinstance(error, InputError) else ""
     if words and near and (meant := _with_near(words, near, about)):
-        return f"{message.rstrip('.')}{'' if message.endswith('?') else '.'} Try: {shlex.join(meant)}"
+        line = shlex.join(meant)
+        if (folder := near.rpartition("/*"))[1]:  # a pattern that stands quoted names one file
+            line = line.replace(shlex.quote(near), f"{shlex.quote(folder[0])}/*{folder[2]}")
+        return f"{message.rstrip('.')}{'' if message.endswith('?') else '.'} Try: {line}"
     to_mend = len(words) > 1 and isinstance(error, HarnessError) and "Try: " not in message
     if to_mend and (kept := _mended(words, error, group)):
         return f"{message.rstrip('.')}. Try: {shlex.join(kept)}"

@@ -29,16 +29,24 @@ _POINTER = b"version https://git-lfs"
 
 
 def check_file(
-    path: Path, where: str = "", accepted: str = "a file that can be read", suffixes: tuple[str, ...] = ()
+    path: Path,
+    where: str = "",
+    accepted: str = "a file that can be read",
+    suffixes: tuple[str, ...] = (),
+    several: bool = False,
 ) -> None:
     """Raise InputError, about ``where`` or the path itself, for a path that is no file.
 
-    suffixes : of files that are proposed in place of a folder, () for any. It loads nothing: a mistyped name is refused
+    suffixes : of files that are proposed in place of a folder, () for any. several : all of one kind are. It loads
+    nothing: a mistyped name is refused
     before a program loads what it would read the file with.
     """
     if path.is_dir():
         files = _inside(path, suffixes)
-        end = f"{'a file' if accepted.startswith(TRY) else accepted}; did you mean {files[0]}?" if files else accepted
+        near = files[0] if files else ""
+        if several and len(alike := [one for one in files if Path(one).suffix == Path(near).suffix]) > 1:
+            near = f"{path}/*{Path(alike[0]).suffix}"
+        end = f"{'a file' if accepted.startswith(TRY) else accepted}; did you mean {near}?" if files else accepted
         raise InputError(where or str(path), "a folder", end)
     if not path.is_file():
         raise InputError(where or str(path), "no such file", accepted + _near(path))

@@ -199,6 +199,16 @@ def test_the_nearest_name_is_said() -> None:
     assert did_you_mean("", ()) == ""
 
 
+def test_a_folder_of_logs_is_answered_with_the_line_that_takes_them_all(tmp_path: Path) -> None:
+    logs = tmp_path / "my logs"
+    logs.mkdir()
+    for day in "12":
+        (logs / f"day-{day}.csv").write_text("t,elbow.goal,elbow.position\n0,0,0\n", encoding="utf-8")
+    code, _, error = ended(["diagnose", "my logs", "--quiet"], tmp_path)
+    assert code == 2
+    assert error.endswith("did you mean my logs/*.csv? Try: harness diagnose 'my logs'/*.csv --quiet\n")
+
+
 def test_a_term_engine_preset_and_scenario_say_it_from_python_too() -> None:
     known = "end-stop:positive"
     assert term(known).key == known

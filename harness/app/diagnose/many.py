@@ -75,7 +75,7 @@ class Many:
 
 def check_folder(path: Path) -> None:
     """Raise InputError for a folder that is no log of joints."""
-    source_of(path)
+    source_of(path, several=True)
 
 
 def diagnose(

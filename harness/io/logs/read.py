@@ -51,15 +51,18 @@ class Source:
         return bags.seconds_of(sum(file.stat().st_size for file in self.files))
 
 
-def source_of(path: Path) -> Source:
-    """What a path is, by its folder and the first bytes of an .mcap. Raises InputError for what is no log."""
+def source_of(path: Path, several: bool = False) -> Source:
+    """What a path is, by its folder and the first bytes of an .mcap. Raises InputError for what is no log.
+
+    several : all files of a folder may be meant.
+    """
     if is_plain(path):
         return Source(path, "mcap", (path,))
     if found := bags.storages(path):
         return Source(path, "bag", tuple(found))
     if path.is_dir() and lerobot.root_of(path) == path:
         return Source(path, "lerobot", tuple(lerobot.files_of(path)))
-    check_file(path, accepted="a file, the folder of a ROS 2 bag, or that of a LeRobot data set")
+    check_file(path, accepted="a file, the folder of a ROS 2 bag, or that of a LeRobot data set", several=several)
     return Source(path, "lerobot" if kind_of(path) in PARQUET.suffixes and lerobot.root_of(path) else "table", (path,))
 
 
