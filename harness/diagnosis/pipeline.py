@@ -39,8 +39,9 @@ from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.standard_errors import base_parameters
 from harness.diagnosis.grading.beginning import after_first_turn, from_the_beginning, from_within, with_second
 from harness.diagnosis.grading.clocks import off_the_clock, with_clock
-from harness.diagnosis.grading.contest import of_contest, of_search, probability, ranked, with_unseen
+from harness.diagnosis.grading.contest import of_contest, of_search
 from harness.diagnosis.grading.grade import Graded, grade
+from harness.diagnosis.grading.likely import probability, ranked, with_unseen
 from harness.diagnosis.grading.misfit import misfit
 from harness.diagnosis.inverse_dynamics.prepare import as_it_acts, forces_together, with_covariates, with_unseen_mass
 from harness.diagnosis.inverse_dynamics.validate import Judge

@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 from harness.diagnosis.baseline.words import evidence, few_words, strokes_of, words_of
 from harness.diagnosis.fit.model_fit import Fit, LawNumber, of_laws
 from harness.diagnosis.grading.clocks import beat, unresolved
-from harness.diagnosis.grading.contest import Contest, by_evidence, probability
+from harness.diagnosis.grading.contest import Contest, by_evidence
+from harness.diagnosis.grading.likely import probability
 from harness.diagnosis.grading.lone import next_best, stand_ins, undecided
 from harness.diagnosis.outcome import Grade, Verdict
 from harness.diagnosis.residual_tests.structure import UNNAMED, Left

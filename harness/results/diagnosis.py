@@ -360,7 +360,7 @@ class DiagnosisResult(Paged):
         default_factory=list,
         description=(
             "what may be missing, most likely first, down to a probability of .01; no names: nothing that has one. "
-            "All others share what is left of 1: one may be there, too weak to identify. Empty of a servo, of an arm"
+            "All others share what is left of 1: one may be there, too weak to identify. Empty of an arm"
         ),
     )
     refined: FitResult

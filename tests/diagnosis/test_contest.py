@@ -18,11 +18,10 @@ from harness.diagnosis.grading.contest import (
     Contest,
     Finalist,
     answered,
-    ranked,
     shown_as_part,
     softmax,
-    with_unseen,
 )
+from harness.diagnosis.grading.likely import ranked, with_unseen
 from harness.diagnosis.grading.prediction import Predicted
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.problem import Problem

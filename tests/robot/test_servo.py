@@ -121,6 +121,10 @@ def test_goal_and_position_alone_are_understood_and_all_is_a_ratio_to_the_inerti
     whole, numbers = INERTIA + ARMATURE, {name: p.value for name, p in robot.servo.parameters.items()}
     assert numbers["f_k"] == pytest.approx(F_K / whole, rel=0.1)
     assert np.hypot(numbers["sine"] or 0.0, numbers["cosine"] or 0.0) == pytest.approx(GRAVITY / whole, rel=0.1)
+    # what is too weak to be seen has the rest
+    assert result.posterior[0].names == []
+    assert 0.7 < sum(one.probability for one in result.posterior) < 0.9
+    assert f"No other term is shown (P {result.posterior[0].probability:.2f})." in result.statement
 
 
 def test_a_level_joint_s_torques_are_ratios_though_a_model_gives_its_link_s_inertia(tmp_path: Path) -> None:
@@ -149,6 +153,11 @@ def test_what_a_servo_makes_of_its_goal_is_one_name_in_whatever_form(
     """Beyond its dead band a servo feels all of an error, and its goal's speed takes time to change."""
     result = harness.diagnose_servo(log_in(tmp_path, **more))
     assert [one.name for one in result.mechanisms] == [name]
+    likeliest, probability = result.posterior[0], result.mechanisms[0].probability
+    assert likeliest.names == [name]
+    assert probability is not None
+    assert probability >= likeliest.probability > 0.9
+    assert f"Missing: {name} (P {min(probability, 0.99):.2f})." in result.statement
 
 
 def test_a_data_set_in_degrees_needs_no_robot_and_is_asked_for_its_unit(

@@ -17,6 +17,7 @@ from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, SimulationError, short_names
 from harness.core.quantity import Quantity
 from harness.core.robot import JointLog
+from harness.diagnosis.grading.likely import Likely, probability, ranked, said, with_unseen
 from harness.io.logs.read import read_joint_log
 from harness.io.options import ReadOptions
 from harness.model.model import Model, Restoring
@@ -271,6 +272,7 @@ def _result(
     ties = _ties(found.steps) if "one-of" in grades else []
     if ties:
         verdict = "one_of"
+    likely = found.likely if named else with_unseen(found.likely)
     span = [[0.0, float(run.t[-1] - run.t[0])]]
     held = [{"x": _mean_square(one)} if one else {} for one in (found.before, found.after)]
     inertia = float(np.mean(run.load[:, 0])) if servo.known.loaded else 0.0
@@ -284,11 +286,19 @@ def _result(
         settings=case.options.settings(),
         command=command,
         verdict=verdict,
-        statement=_statement(own, best, least, grades) + _not_told(ties, found.steps),
+        statement=_statement(own, best, least, grades)
+        + _how_likely(likely, found.steps)
+        + _not_told(ties, found.steps),
         baseline={"parameters": before, "rmse": {"x": base.rms}, "chi2_per_point": None},
         refined={"parameters": after, "rmse": {"x": best.rms}, "chi2_per_point": None},
-        mechanisms=[_mechanism(step, best, scale, span, grade) for step, grade in zip(found.steps, grades, strict=True)]
-        + [_tied(term, gain, span) for term, gain in ties],
+        mechanisms=[
+            {**one, "probability": probability(likely, one["name"])}
+            for one in (
+                *(_mechanism(s, best, scale, span, grade) for s, grade in zip(found.steps, grades, strict=True)),
+                *(_tied(term, gain, span) for term, gain in ties),
+            )
+        ],
+        posterior=[{"names": h.names, "probability": h.probability} for h in ranked(likely)],
         rules=[],
         holdout={"spans_s": [], "baseline_rmse": held[0], "refined_rmse": held[1]},
         evidence=[{"name": name, "delta_bic": gain} for name, gain in found.tried.items()],
@@ -344,6 +354,13 @@ def _ties(steps: Sequence[Step]) -> list[tuple[Term, float]]:
 
 def _not_told(ties: Sequence[tuple[Term, float]], steps: Sequence[Step]) -> str:
     return f" Not ruled out in place of {steps[0].term.name}: {', '.join(t.name for t, _ in ties)}." if ties else ""
+
+
+def _how_likely(likely: Likely, steps: Sequence[Step]) -> str:
+    """That its terms are missing, or that nothing is."""
+    if not steps:
+        return f" No other term is shown ({said(likely.get((), 0.0))})."
+    return f" Missing: {', '.join(f'{s.term.name} ({said(probability(likely, s.term.name))})' for s in steps)}."
 
 
 def _grade(steps: Sequence[Step], place: int, clean: bool) -> str:

@@ -23,8 +23,9 @@ import numpy as np
 from harness.core.arrays import FloatArray
 from harness.diagnosis.baseline.words import evidence, strokes_of, words_beside
 from harness.diagnosis.fit.model_fit import Fit
+from harness.diagnosis.grading.likely import Likely, beside_other_forms, no_likelier, weighed
 from harness.diagnosis.grading.prediction import Predicted
-from harness.diagnosis.outcome import Grade, Hypothesis
+from harness.diagnosis.outcome import Grade
 from harness.diagnosis.residual_tests.structure import UNNAMED, Left, evidence_of_curve
 from harness.diagnosis.rules import (
     GAIN,
@@ -36,7 +37,6 @@ from harness.diagnosis.rules import (
     MOST_LISTED,
     NAMES,
     OF_LIST,
-    OTHER_FORM,
     PART_APART,
     PART_SPANS,
     SAME_CLOCK,
@@ -44,7 +44,6 @@ from harness.diagnosis.rules import (
     SHARE_OF_MISFIT,
     TAKEN,
     TIMES_NEXT,
-    UNSEEN,
     Rule,
     Weights,
 )
@@ -245,12 +244,6 @@ def _minor(found: C) -> C:
     return replace(found, grade=Grade.MINOR if parts else None, named=tuple(parts[:1]), rules=rules)
 
 
-_LEAST = 0.01
-"""Probability below which a hypothesis is not given."""
-Likely = Mapping[tuple[str, ...], float]
-"""Probability of each hypothesis by its names, of which none has none."""
-
-
 def of_contest(found: Contest) -> Likely:
     """Which name is the main part of what is missing."""
     return {(name,) if name else (): p for name, p in found.posterior.items()}
@@ -266,29 +259,10 @@ def of_search(found: Search) -> Likely:
     likely, chosen = by_evidence(found, beyond_noise=True), key_of(found.chosen)
     if not likely:
         return {}
-    most = {names: likely[chosen] * NAMES ** (len(chosen) - len(names)) for names in likely}
-    believed = {names: p if UNNAMED in names else min(p, most[names]) for names, p in likely.items()}
+    believed = no_likelier(likely, chosen, NAMES)
     if chosen and found.problem.moves:
-        explained = max(found.base.chi2 - found.chosen.chi2, 1.0)
-        named = sum(p for names, p in believed.items() if names)
-        believed[()] = OTHER_FORM.value / math.sqrt(explained) * named
-    whole = sum(believed.values())
-    return {names: p / whole for names, p in believed.items()}
-
-
-def with_unseen(likely: Likely) -> Likely:
-    """The same beside a verdict that names nothing: an effect that has a name may be there.
-
-    It is too weak, or too unlike its law, and could have any name, so that no hypothesis has its probability.
-    """
-    whole = 1.0 + UNSEEN.value * likely.get((), 0.0)
-    return {names: p / whole for names, p in likely.items()}
-
-
-def ranked(likely: Likely) -> tuple[Hypothesis, ...]:
-    """Hypotheses that are worth a word, most likely first."""
-    each = (Hypothesis(names, p) for names, p in likely.items() if p >= _LEAST)
-    return tuple(sorted(each, key=lambda one: -one.probability))
+        believed = beside_other_forms(believed, found.base.chi2 - found.chosen.chi2)
+    return believed
 
 
 def by_evidence(found: Search, beyond_noise: bool = False) -> Likely:
@@ -318,15 +292,7 @@ def by_evidence(found: Search, beyond_noise: bool = False) -> Likely:
             names = key_of(one)
             alone = best[names] if names else 0.0
             best[(*names, UNNAMED)] = alone + evidence_of_curve(one) - 2.0 * math.log(NAMES)
-    most = max(best.values())
-    weight = {names: math.exp(0.5 * (size - most)) for names, size in best.items()}
-    whole = sum(weight.values())
-    return {names: w / whole for names, w in weight.items()}
-
-
-def probability(of: Likely, name: str) -> float:
-    """That a name is among what is missing, at most 1."""
-    return min(sum(p for names, p in of.items() if name in names), 1.0)
+    return weighed(best)
 
 
 def _by_chance(fitted: Sequence[tuple[int, float]], spare: float) -> list[float]:
