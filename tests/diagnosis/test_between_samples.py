@@ -59,7 +59,7 @@ def test_kinks_between_samples_are_found_and_the_momentum_is_kept(shift: float, 
     step = 0.02
     t: FloatArray = np.arange(400.0) * step
     turns = np.arange(1.0 + shift * step, 7.0, gap)
-    drive = between_samples(t, _after_turns(t, turns))
+    drive, _ = between_samples(t, _after_turns(t, turns))
     fine = np.linspace(t[0], t[-1], 400_001)
     truth = _after_turns(fine, turns)
     kinks = kinks_of(t, _after_turns(t, turns))
@@ -228,7 +228,7 @@ def test_an_effect_is_named_over_gaps() -> None:
 def test_a_force_is_straight_where_nobody_recorded_it() -> None:
     t = np.concatenate((np.arange(100) * 0.01, 3.0 + np.arange(100) * 0.01))
     u = np.sin(3.0 * t)
-    drive = between_samples(t, u, 0.05)
+    drive, _ = between_samples(t, u, 0.05)
     within = np.linspace(t[99], t[100], 7)
     assert np.interp(within, drive.t, drive.u) == pytest.approx(np.interp(within, t, u), abs=1e-5)
     fine = np.concatenate((np.linspace(0.0, 0.99, 999), np.linspace(3.0, 3.99, 999)))

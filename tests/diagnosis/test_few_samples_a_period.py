@@ -67,7 +67,7 @@ def is_linear(found: Fit) -> None:
 
 
 def test_a_force_is_known_between_its_samples_where_its_spectrum_ends() -> None:
-    drive = between_samples(T, multisine(T))
+    drive, _ = between_samples(T, multisine(T))
     inside = np.arange(0.1, 0.3, 1e-5)
     momentum = np.cumsum(np.interp(inside, drive.t, drive.u) - multisine(inside)) * 1e-5
     lines = np.cumsum(np.interp(inside, T, multisine(T)) - multisine(inside)) * 1e-5

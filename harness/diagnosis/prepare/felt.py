@@ -53,12 +53,12 @@ _MOST_OF = 0.75
 
 @dataclass(frozen=True, slots=True)
 class Felt:
-    """level : standard deviation of the force's noise, N, the largest that is not decidedly less likely. way : in which
-    the force acted between samples, of those that were asked; None where the motion does not decide.
+    """level : standard deviation of the force's noise, N, the largest that is not decidedly less likely. held : whether
+    the force acted as it was until the next sample; None where windows do not decide, or not all alike.
     """
 
     level: float
-    way: int | None
+    held: bool | None
 
 
 def felt(t: FloatArray, q: FloatArray, own: Noise, course: Course, base: Model, ways: Sequence[Drive]) -> Felt | None:
@@ -66,18 +66,17 @@ def felt(t: FloatArray, q: FloatArray, own: Noise, course: Course, base: Model, 
 
     base : what pulls back and damps, and the inertia, nearly. None where there are too few samples between reversals.
     """
-    found: Felt | None = None
+    levels, said = list[float](), set[bool]()
     for width in _WIDTHS:
         at = _windows(t, course, width)
         if len(at) < _FEWEST:
             continue
-        unlikely, level = zip(*(_of_way(t, q, own, base, way, at) for way in ways), strict=True)
-        order = np.argsort(unlikely)
-        best = int(order[0])
-        if found is None or level[best] < found.level:
-            sure = len(ways) == 1 or unlikely[order[1]] - unlikely[best] > DECISIVE.value
-            found = Felt(level[best], best if sure else None)
-    return found
+        each = [(*_of_way(t, q, own, base, way, at), way.held) for way in ways]
+        unlikely, level, is_held = min(each)
+        levels.append(level)
+        if min((off for off, _, one in each if one is not is_held), default=math.inf) - unlikely > DECISIVE.value:
+            said.add(is_held)
+    return Felt(min(levels), said.pop() if len(said) == 1 else None) if levels else None
 
 
 def unheard(t: FloatArray, u: FloatArray, q: FloatArray, course: Course) -> float | None:

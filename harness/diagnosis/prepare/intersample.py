@@ -59,43 +59,52 @@ def held(t: FloatArray, u: FloatArray) -> Drive:
     return Drive(t, u, held=True)
 
 
-def acting(problem: Driven, u: FloatArray, told: Drive | None = None) -> Acting:
+def acting(problem: Driven, u: FloatArray, told: bool | None = None) -> Acting:
     """How the force u (n,) acts, and whether the base model then follows the recording.
 
-    told : as it acts, where the motion between reversals says so; it stands if the base model then follows. Else it
-    acts as the samples themselves say where no other way lets the base model follow the recording better. Where the
-    model shows another motion, as of many a real drive, and where it cannot be simulated, no law says the force well
-    enough, and the force itself is what can be compared.
+    told : whether it is held, where the motion between reversals says so; it stands if the base model then follows.
+    Else it acts as the samples themselves say where no other way lets the base model follow the recording better. Where
+    the model shows another motion, as of many a real drive, and where it cannot be simulated, no law says the force
+    well enough, and the force itself is what can be compared.
     """
-    first, part, lines = problem.first, problem.part(slice(0, _SAMPLES)), Drive(problem.t, u)
-    scales, free = driven_scales(problem, first), free_of(first, problem.base_names)
-
-    def followed(drive: Drive) -> Fit | None:
-        def again(problem: Driven, found: Fit) -> tuple[Driven, Fit]:
-            return problem, fit(found.model, problem, free, scales, _ITERATIONS, COARSE, thorough=False)
-
-        with suppress(SimulationError):
-            seen = replace(part, drive=drive)
-            found = fit(first, seen, free, scales, _ITERATIONS, COARSE, thorough=False)
-            # over gaps from starts of which nothing counts as known
-            return in_turn(seen, found, scales, again)[1] if isinstance(seen.starts, Windows) else found
-        return None
-
-    if told is not None and (found := followed(told)) is not None and _follows(found, part):
+    first, part, stepped = problem.first, problem.part(slice(0, _SAMPLES)), held(problem.t, u)
+    if told is not None:
         # half a step's delay is as a little more mass: which of the two it is is asked again beside each law
-        other = lines if told.held else held(problem.t, u)
-        return Acting(told, (other,), told.held, follows=True, model=found.model, chi2=found.chi2)
-    usual, ways = followed(problem.drive), [held(problem.t, u)]
+        way, other = (stepped, problem.drive) if told else (problem.drive, stepped)
+        if (found := _followed(part, way)) is not None and _follows(found, part):
+            return Acting(way, (other,), told, follows=True, model=found.model, chi2=found.chi2)
+    usual, ways = _followed(part, problem.drive), [stepped]
     if usual is None:
         return Acting(problem.drive, (), held=False, follows=False, model=first, chi2=math.inf)
-    if lines.t.size != problem.drive.t.size and _seen(lines, usual, part):
-        ways.append(lines)
-    fits = [(one, way) for way in ways if (one := followed(way)) is not None]
+    ways += [way for way in problem.otherwise if _seen(way, usual, part)]
+    fits = [(one, way) for way in ways if (one := _followed(part, way)) is not None]
     nearest, drive = min(fits, key=lambda pair: pair[0].chi2, default=(usual, problem.drive))
     if nearest.chi2 >= FORCE_HELD.value * usual.chi2:
         nearest, drive = usual, problem.drive
     others = tuple(way for way in (problem.drive, *(way for _, way in fits)) if way is not drive)
     return Acting(drive, others, drive.held, _follows(nearest, part), nearest.model, nearest.chi2)
+
+
+def _followed(part: Driven, drive: Drive) -> Fit | None:
+    """The base model, fitted to a part in which the force acts in a way; None where it cannot be simulated."""
+    scales, free = driven_scales(part, part.first), free_of(part.first, part.base_names)
+
+    def again(problem: Driven, found: Fit) -> tuple[Driven, Fit]:
+        return problem, fit(found.model, problem, free, scales, _ITERATIONS, COARSE, thorough=False)
+
+    with suppress(SimulationError):
+        seen = replace(part, drive=drive)
+        found = fit(part.first, seen, free, scales, _ITERATIONS, COARSE, thorough=False)
+        # over gaps from starts of which nothing counts as known
+        return in_turn(seen, found, scales, again)[1] if isinstance(seen.starts, Windows) else found
+    return None
+
+
+def nearly(problem: Driven) -> Fit | None:
+    """The base model, fitted to a first part of the motion; None where it does not follow that."""
+    part = problem.part(slice(0, _SAMPLES))
+    found = _followed(part, problem.drive)
+    return found if found is not None and _follows(found, part) else None
 
 
 def breaks_away(problem: Driven, force: Acting, f_s: float) -> bool:
@@ -135,18 +144,19 @@ _FEWEST = 20
 """Samples below which a force is not asked how it goes between them."""
 
 
-def between_samples(t: FloatArray, u: FloatArray, longest: float = math.inf) -> Drive:
-    """The drive of a force u (n,) at t (n,), s; straight over intervals beyond ``longest`` (s), where none is known.
+def between_samples(t: FloatArray, u: FloatArray, longest: float = math.inf) -> tuple[Drive, Drive]:
+    """The drive of a force u (n,) at t (n,), s, as its samples say, and the other one of straight and smooth.
 
-    In a stretch without a gap every second sample is left out and predicted from the others, by straight lines and by a
-    curve with kinks; noise is better predicted by the former, a smooth force and a loop's by the latter. One whose
-    spectrum ends is known, with however few samples a period.
+    Straight over intervals beyond ``longest`` (s), where none is known. In a stretch without a gap every second sample
+    is left out and predicted from the others, by straight lines and by a curve with kinks; noise is better predicted by
+    the former, a smooth force and a loop's by the latter. One whose spectrum ends is known, with however few samples a
+    period.
     """
     edges, parts = [0, *(np.flatnonzero(np.diff(t) > longest) + 1), t.size], []
     for a, b in pairwise(edges):
-        part = Drive(t[a:b], u[a:b])
+        lines = Drive(t[a:b], u[a:b])
         if ends(t[a:b], u[a:b]):
-            part = band_limited(t[a:b], u[a:b])
+            parts.append((band_limited(t[a:b], u[a:b]), lines))
         elif b - a >= _FEWEST:
             out, coarse = slice(a + 1, a + (b - a - 1) // 2 * 2, 2), curve(t[a:b:2], u[a:b:2])
             # kinks are missed by either: what is usual decides
@@ -154,9 +164,15 @@ def between_samples(t: FloatArray, u: FloatArray, longest: float = math.inf) -> 
                 float(np.median(np.abs(np.interp(t[out], at, force) - u[out])))
                 for at, force in ((t[a:b:2], u[a:b:2]), (coarse.t, coarse.u))
             )
-            part = part if curved >= straight else curve(t[a:b], u[a:b])
-        parts.append(part)
-    return Drive(np.concatenate([p.t for p in parts]), np.concatenate([p.u for p in parts]))
+            smooth = curve(t[a:b], u[a:b])
+            parts.append((lines, smooth) if curved >= straight else (smooth, lines))
+        else:
+            parts.append((lines, lines))
+    usual, other = (
+        Drive(np.concatenate([p.t for p in way]), np.concatenate([p.u for p in way]))
+        for way in zip(*parts, strict=True)
+    )
+    return usual, other
 
 
 def curve(t: FloatArray, u: FloatArray) -> Drive:

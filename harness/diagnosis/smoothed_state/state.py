@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -163,6 +163,13 @@ class Course:
         longest = longest_interval(t)
         smooth = {c: smoothed(t, channels[c], longest, noise[c].sigma) for c in ("x", "v") if c in channels}
         return cls(t, smooth, state_of(t, smooth), longest)
+
+    def where(self, side: FloatArray) -> "Course":
+        """With no speed where its first samples do not move to the side (m,) that is known: 1, -1, or 0 at rest."""
+        x, v, a = self.state
+        moves = np.ones(v.size, dtype=np.bool_)
+        moves[: side.size] = np.sign(v[: side.size]) == side
+        return replace(self, state=(x, np.where(moves, v, 0.0), a))
 
     def anew(self, horizon: float) -> Windows:
         """Windows no longer than a horizon, s, that cover all samples; an infinite one leaves stretches between gaps.
