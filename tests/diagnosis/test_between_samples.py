@@ -320,6 +320,36 @@ def test_a_force_in_straight_lines_is_told_from_a_smooth_one_by_the_motion() -> 
         assert quantity.value == pytest.approx(true, abs=5.0 * quantity.stderr)
 
 
+@pytest.mark.parametrize("seed", [3, pytest.param(5, marks=pytest.mark.full), pytest.param(9, marks=pytest.mark.full)])
+def test_a_stage_that_pulls_by_its_stiffness_tells_the_inertia_beside_the_noise_of_its_force(seed: int) -> None:
+    # most of the force is friction, which it kinks by wherever the slider stops: lines between samples lie inside
+    m, c, f_k, stiff, damp, step = 4.0, 25.0, 22.0, 2500.0, 120.0, 1e-3
+    random, fine = np.random.default_rng(seed), np.arange(25_000.0) * step
+    moves = np.linspace(0.0, 25.0, 16)
+    s = np.interp(fine, moves, np.arange(moves.size)) % 1.0
+    smooth, slope = s**3 * (10.0 - 15.0 * s + 6.0 * s**2), 30.0 * (s * (1.0 - s)) ** 2 / np.diff(moves)[0]
+    ends = np.concatenate(([0.0], 0.1 * (-1.0) ** np.arange(15) * random.uniform(0.5, 1.0, 15)))
+    at = np.minimum(np.searchsorted(moves, fine, side="right") - 1, 14)
+    goal, speed = ends[at] + np.diff(ends)[at] * smooth, np.diff(ends)[at] * slope
+    moved = solve(Model(m, c + damp, stiff, f_k), fine, drive=Drive(fine, stiff * goal + damp * speed))
+    u = stiff * (goal - moved.x) + damp * (speed - moved.v)
+    seen = Recording(
+        t=fine[::10],
+        channels={
+            "x": moved.x[::10] + 3e-5 * random.standard_normal(2500),
+            "u": u[::10] + 2e-2 * random.standard_normal(2500),
+        },
+    )
+    outcome = diagnose(stages.prepare(seen, restoring="none").problem)
+    assert outcome.verdict == "adequate"
+    for name, true in (("mass", m), ("c", c), ("f_k", f_k)):
+        found = outcome.base_parameters[name]
+        assert found.value is not None
+        assert found.stderr is not None
+        assert abs(found.value - true) < 3.0 * found.stderr
+        assert found.stderr < 2e-3 * true
+
+
 def _in_a_loop(noise: float) -> Recording:
     """A free axis that a loop on encoder counts moves to and fro; the force is recorded with so much noise, N."""
     m, c_loop, f_k, h, count = 2.0, 60.0, 3.0, 2e-3, 2e-6

@@ -13,7 +13,6 @@ from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.asked import Path, asked, given_force
 from harness.diagnosis.problems.differences import felt, sloped
 from harness.diagnosis.problems.driven import Forced
-from harness.diagnosis.rules import GUARD_SPEED
 from harness.diagnosis.smoothed_state.local_cubics import Smooth, inner, longest_interval, smoothed, smoothed_alike
 from harness.diagnosis.smoothed_state.state import state_of
 from harness.kernels.solve import By
@@ -64,14 +63,13 @@ class Measured:
     by: str = "x"
 
     @classmethod
-    def of(cls, problem: Forced, slow: float = GUARD_SPEED.value, other: "Measured | None" = None) -> "Measured":
+    def of(cls, problem: Forced, other: "Measured | None" = None) -> "Measured":
         """From position or speed; a force that is held counts as it acts. Raises SimulationError when little moves.
 
-        slow : share of the rms speed, beside which nothing counts where the problem is guarded. other : a recording as
-        which it is to be smoothed.
+        other : a recording as which it is to be smoothed.
         """
         if problem.alone:
-            return cls.of_several([cls.of(one, slow) for one in problem.alone], problem)
+            return cls.of_several([cls.of(one) for one in problem.alone], problem)
         t = problem.t
         longest = longest_interval(t)
         widest = {} if other is None else other.widest
@@ -95,13 +93,13 @@ class Measured:
         u = alike(felt(problem.drive, t, by))
         at_rest = np.abs(v) <= _AT_REST * v_sd
         stands = np.all((at_rest & inner(t, longest, half))[:kept].reshape(-1, BLOCK), axis=1)
+        # the speed there has its own reach, and two differences; so has what is compared with it
+        rests = widened(_stands(at_rest), 2 * (half + 2) if problem.guarded else half + 2)
         if problem.guarded:
             # within the reach of a cubic and a difference friction turns round; where a servo sticks it has any value
-            at_rest |= np.abs(v) <= slow * math.sqrt(float(np.mean(v**2)))
             at_rest[1:] |= np.sign(v[1:]) != np.sign(v[:-1])
             at_rest = widened(at_rest, half + 2)
-        # a value there has its own reach, and two differences
-        at_rest |= widened(_stands(at_rest), half + 2)
+        at_rest |= rests
         slides = ~at_rest[:kept].reshape(-1, BLOCK)
         whole = np.max(np.diff(t[:kept].reshape(-1, BLOCK), axis=1), axis=1) <= longest
         # two differences at the ends of a stretch are one-sided

@@ -134,7 +134,7 @@ RESTING = Rule(
     0.05,
     "share of the 95 % speed",
     "slower samples do not count: the joint may rest, or creep as it does in engines",
-    "as guard-speed of one joint: friction of engines is regularised, and a joint that sticks creeps with less; .02"
+    "friction of engines is regularised, and a joint that sticks creeps with less; .02"
     " names that in one of 6 clean logs of MuJoCo (python -m benchmarks.robot_logs --only mujoco --seed 3)",
 )
 COVERED = Rule(
