@@ -469,3 +469,15 @@ def test_a_current_beside_what_is_driven_is_offered_as_its_force(
     np.testing.assert_allclose(driven["u"], 0.6 * np.sin(3.0 * t + 1.0), atol=1e-8)
     assert driven.angular is torque
     assert not classify(driven).wanted
+
+
+@pytest.mark.parametrize(
+    ("below", "scale"), [("s,mm", 1e-3), ("[s],[mm]", 1e-3), ("100,1", 1.0), ("end,of record", 1.0)]
+)
+def test_units_that_stand_below_the_numbers_are_those_of_the_columns(tmp_path: Path, below: str, scale: float) -> None:
+    t = 0.05 * np.arange(300.0)
+    path = written(tmp_path / "below.csv", "t,x", t, 30.0 * X)
+    path.write_text(path.read_text() + below + "\n")
+    found = read_recording(path)
+    np.testing.assert_allclose(found["x"][:300], 30.0 * scale * X, rtol=1e-8, atol=1e-9)
+    assert found.t.size == (301 if below == "100,1" else 300)

@@ -362,7 +362,9 @@ class TextTable(Table):
             passed = None
         names, units = split_headers(self._layout.fields)
         units |= {i: unit for i, unit in enumerate(self._layout.units) if unit}
-        super().__init__(path, names, units, self._layout.fields)
+        below = () if units else self._units_below(len(names))
+        super().__init__(path, names, units or dict(enumerate(below)), self._layout.fields)
+        self._below = bool(below)
         self.mended += [passed] if passed else []
         if head is not None:
             self.rate, self.own = head.rate, head.own
@@ -388,6 +390,13 @@ class TextTable(Table):
             if ending and first and abs(abs(value) - abs(first)) < _NEAR * abs(first):
                 return {0: ending[1]}
         return {}
+
+    def _units_below(self, width: int) -> tuple[str, ...]:
+        """Units that stand in the last line, one a column, below the numbers; () where that is no such line."""
+        last = self._data[max(len(self._data) - _HEAD, self._layout.offset) :].rstrip().split(b"\n")[-1]
+        cells = [_bare(cell) for cell in _cells("", _decode(last), self._layout.separator)]
+        of_units = all(cell and _number(cell, self._layout.decimal) is None and is_unit(cell) for cell in cells)
+        return tuple(cells) if len(cells) == width and of_units else ()
 
     def read(self, positions: Sequence[int]) -> list[FloatArray]:
         """See Table."""
@@ -451,7 +460,9 @@ class TextTable(Table):
                         raise InputError(f"{self.path}: row {rows + 1} (line {line})", f"{len(cells)} cells", accepted)
                     self._leave_out(f"Line {line} has {len(cells)} cells where the others have {width}: skipped.")
                 elif begun and not any(self._says(cell) for cell in cells):
-                    self._leave_out(f"Line {line} holds text and no number: skipped.")
+                    of_units = self._below and not self._data[end:].strip()
+                    what = "the last one, holds the units" if of_units else "holds text and no number: skipped"
+                    self._leave_out(f"Line {line}{',' * of_units} {what}.")
                 elif begun and counted and self._is_summary(cells[0], end):
                     self._leave_out(f"Line {line}, below the rows, begins with '{cells[0][:20]}': skipped.")
                 else:
