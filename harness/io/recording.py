@@ -274,7 +274,8 @@ def _current(table: Table, columns: dict[str, str], angular: bool) -> dict[str, 
     for i in (i for i, name in enumerate(table.names) if is_current(name, table.units.get(i, ""))):
         with suppress(InputError):
             values = table.columns([i])[0]
-            if values.size > 1 and np.nanmax(values) > np.nanmin(values):
+            told = values[np.isfinite(values)]
+            if told.size and told.min() < told.max():
                 torque = "Nm" if angular else "N"
                 paste = ",".join([*(f"{c}={one}" for c, one in columns.items()), f"u=1*{table.quoted(i)}[{torque}]"])
                 said = f'{table.headers[i]} is not read; if it drives this, try: --columns "{paste}"'
