@@ -202,7 +202,8 @@ def _grown(
             allowed = [(f, f.spare_within(independent, most)) for f in better]
             better = beyond_chance(allowed, chosen, problem, scales, further)
         # what moves otherwise or cannot be followed is no model of the motion, however well it says the force
-        kept = next((f for f in better if _moves(f, least, problem, scales)), None)
+        moves = (f for f in better if _moves(f, least, problem, scales))
+        kept = _likeliest_form(moves, independent, problem, scales) if chosen is ground else next(moves, None)
         if kept is None or not (judge or _of_some_size(kept, problem, scales)):
             break
         if len(chosen.model.terms) == len(ground.model.terms) + 1:
@@ -218,6 +219,21 @@ def _grown(
             # grown again without the push, whatever else there is
             break
     return chosen, singles, rivals, path
+
+
+def _likeliest_form(laws: Iterable[Fit], independent: float, problem: InverseDynamics, scales: Scales) -> Fit | None:
+    """Of laws, best first, that which says most in its likeliest form, of those that the evidence does not part.
+
+    An effect in another form than its name's is as far from that as from another name.
+    """
+    first, by_form = None, list[tuple[float, Fit]]()
+    for law in laws:
+        first = first or law
+        if law.bic_of(independent) > first.bic_of(independent) + DECISIVE.value:
+            break
+        free = freed(law, problem, scales)
+        by_form.append((min(f.bic_of(independent) for f in (law, free) if f is not None), law))
+    return min(by_form, key=lambda one: one[0])[1] if len(by_form) > 1 else first
 
 
 def _of_some_size(found: Fit, problem: InverseDynamics, scales: Scales) -> bool:
