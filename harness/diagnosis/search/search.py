@@ -242,11 +242,13 @@ def _with_free_form(
     """The first laws with their form free, beside all laws, and the one among them that is chosen with what it leaves.
 
     One effect in another form than its name's takes two names to follow; a name with one number more comes first. One
-    that leaves noise alone comes before those that do not.
+    that leaves noise alone comes before those that do not, unless they are as likely: chance decides which side of a
+    test two fall that fit alike.
     """
     forms = [f for f in (freed(one, problem, scales) for one in singles[:_FREED]) if f is not None]
     better = [f for f in forms if f.bic < chosen.bic]
-    noise = [f for f in better if left_by(f, problem, scales.omega, base) is Left.NOISE]
+    alone = [f.bic for f in better if left_by(f, problem, scales.omega, base) is Left.NOISE]
+    noise = [f for f in better if alone and f.bic < min(alone) + DECISIVE.value]
     names = {key_of(f) for f in noise or better}
     both = in_turn((*(noise or better), *(f for f in singles if key_of(f) not in names)), problem)
     return (both[0] if names else chosen), both, Left.NOISE if noise else Left.STRUCTURE
