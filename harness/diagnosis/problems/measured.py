@@ -24,6 +24,10 @@ _ALIKE = 1.05
 """Smoothing must not round off what the force is compared with."""
 _AT_REST = 3.0
 """Standard errors below which a speed is none, and friction may have any value."""
+_SOONER = 5
+"""Samples by which a joint rests sooner and longer than its speed shows: with them two standard errors hold 334 of 360
+true values of 90 sound joints, without them 305 of 335, and with ten fewer values are told (controls of
+``python -m benchmarks.draws path:robot-joint --draws 60`` with seeds 8104, 8106 and 8109)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +98,7 @@ class Measured:
         at_rest = np.abs(v) <= _AT_REST * v_sd
         stands = np.all((at_rest & inner(t, longest, half))[:kept].reshape(-1, BLOCK), axis=1)
         # the speed there has its own reach, and two differences; so has what is compared with it
-        rests = widened(_stands(at_rest), 2 * (half + 2) if problem.guarded else half + 2)
+        rests = widened(_stands(at_rest), 2 * (half + 2) + _SOONER if problem.guarded else half + 2)
         if problem.guarded:
             # within the reach of a cubic and a difference friction turns round; where a servo sticks it has any value
             at_rest[1:] |= np.sign(v[1:]) != np.sign(v[:-1])
