@@ -92,6 +92,47 @@ def test_what_hides_in_a_joint_is_within_what_is_said_and_reversals_are_not_said
     assert 0.02 < float(said[1]) < float(np.max(np.abs(v)))
 
 
+def _on_bristles(f_k: float, far: float) -> JointLog:
+    """The elbow led along three sines; its friction builds up over a distance, rad, after each reversal."""
+    own, random, fine = reduced(ARM, "elbow", {"shoulder": 0.5}), np.random.default_rng(6), 10
+    t, w, sizes = np.arange(0.0, 16.0, 4e-3 / fine), np.array([[0.9], [2.3], [5.1]]), np.array([[0.5], [0.3], [0.15]])
+    waves = sizes * np.sin(w * t), sizes * w * np.cos(w * t), -sizes * w**2 * np.sin(w * t)
+    q, v, a = (np.sum(one, axis=0) for one in waves)
+    z = [0.0]
+    for by in np.diff(q):
+        # a bristle gives less and less the nearer it is to sliding (Dahl 1968), exactly over each step
+        side = math.copysign(far, by)
+        z.append(side + (z[-1] - side) * math.exp(-abs(by) / far))
+    torque = own.moved * a + own.gravity * np.sin(q - own.q_eq) + 0.1 * v + f_k / far * np.array(z)
+    at = t[::fine]
+    seen = q[::fine] + 1e-6 * random.standard_normal(at.size)
+    effort = torque[::fine] + 2e-3 * random.standard_normal(at.size)
+    still = {"base": np.zeros_like(at), "shoulder": np.full_like(at, 0.5)}
+    return JointLog(at, {**still, "elbow": seen}, effort={"elbow": effort}, file="bristle")
+
+
+def test_friction_that_builds_up_after_reversals_is_named_with_its_distance(tmp_path: Path) -> None:
+    result = _diagnosed(_on_bristles(f_k=0.3, far=0.06), tmp_path)
+    assert [one.name for one in result.mechanisms] == ["presliding"]
+    assert result.curve is not None
+    told = result.curve.presliding
+    assert told is not None
+    assert told.value is not None
+    assert told.stderr is not None
+    assert abs(told.value - 0.06) < 3.0 * told.stderr
+    assert told.stderr < 0.1 * 0.06
+    assert told.unit == "rad"
+    _near(result, "refined", "f_k", 0.3, 0.01)
+    _near(result, "refined", "inertia", reduced(ARM, "elbow", {"shoulder": 0.5}).moved, 0.01)
+
+
+def test_a_friction_that_pulls_more_than_the_inertia_is_named_all_the_same(tmp_path: Path) -> None:
+    """Beside reversals it pulls back as a spring does, so that without it the inertia comes out below zero."""
+    result = _diagnosed(_on_bristles(f_k=0.5, far=0.02), tmp_path)
+    assert result.mechanisms[0].name == "presliding"
+    assert any("Without presliding no mass would move so" in line for line in result.warnings)
+
+
 def _swing(f_k: float = 0.03, c: float = 0.05, seed: int = 0, terms: tuple[ModelTerm, ...] = ()) -> JointLog:
     """The shoulder let go 1.2 rad from where it hangs, exactly, with noise of an encoder."""
     own = reduced(ARM, "shoulder", {"elbow": 0.5})

@@ -6,6 +6,7 @@ start then hangs on every stick, and a torque that is right to its noise lets it
 """
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -15,8 +16,8 @@ from harness.core.errors import InputError, SimulationError
 from harness.core.recording import Recording
 from harness.diagnosis.covariates.following import enter
 from harness.diagnosis.covariates.values import Acting, values_in
-from harness.diagnosis.fit.standard_errors import base_parameters
-from harness.diagnosis.inverse_dynamics.search import force_baseline, nearest
+from harness.diagnosis.fit.standard_errors import base_parameters, unit_of
+from harness.diagnosis.inverse_dynamics.search import force_baseline, moving, nearest
 from harness.diagnosis.prepare.driven import forced_problem
 from harness.diagnosis.prepare.free_decay import in_common
 from harness.diagnosis.prepare.intersample import ACTS_HELD, held
@@ -67,23 +68,32 @@ def with_covariates(
 def with_unseen_mass(problem: InverseDynamics) -> InverseDynamics:
     """The problem with its mass given where the fitted one accelerates with less force than any fit could tell.
 
-    Without this the fit of a slow axis ends at no mass at all, and its motion cannot be simulated. Raises
-    SimulationError when little moves or the base model cannot be fitted.
+    Without this the fit of a slow axis ends at no mass at all, and its motion cannot be simulated; nor where a law that
+    is missing pulls the other way than the mass, whose value beside that law is taken then. Raises SimulationError when
+    little moves or the base model cannot be fitted.
     """
     if not problem.mass_names:
         return problem
-    (base, _), measured = force_baseline(problem), problem.measured
+    (base, scales), measured, unit = force_baseline(problem), problem.measured, unit_of("kg", problem)
     a = float(np.sqrt(np.mean(measured.blocks(measured.a) ** 2)))
     if a <= 0.0:
         return problem
     best = nearest(problem)
     mass = MASS_UNSEEN.value * float(np.sqrt(np.mean(best.residual**2))) / a
-    if best.model.m >= mass:
-        return problem
-    said = (
-        f"The force does not show the mass: {mass:.3g} kg are taken, whose part of the force is"
-        f" {100.0 * MASS_UNSEEN.value:.2g} % of what the fit leaves; --mass KG gives another."
-    )
+    if best.model.m < mass:
+        said = (
+            f"The force does not show the mass: {mass:.3g} {unit} are taken, whose part of the force is"
+            f" {100.0 * MASS_UNSEEN.value:.2g} % of what the fit leaves; --mass KG gives another."
+        )
+    else:
+        with suppress(SimulationError):
+            moving(base, problem, scales)
+            return problem
+        mass = best.model.m
+        law = best.model.terms[-1].term.name if best.model.terms else "any other law"
+        said = (
+            f"Without {law} no mass would move so: {mass:.3g} {unit} are taken, as beside it; --mass KG gives another."
+        )
     first = replace(base.model, m=mass)
     return replace(problem, mass=mass, first=first, enters=(*problem.enters, said))
 
