@@ -204,7 +204,9 @@ def named(
         "statement": _statement(result.statement, refined, arm, found.reduced.joint, outcome.verdict == "adequate"),
         "baseline": _with(result.baseline, base),
         "refined": _with(result.refined, refined),
-        "curve": None if over_speed is None else _with_rest(over_speed, result.mechanisms, refined["f_k"]),
+        "curve": None
+        if over_speed is None
+        else CurveResult.model_validate(_with_rest(over_speed, result.mechanisms, refined["f_k"])),
         "mechanisms": [m.model_copy(update={"statement": f"{case.joint}: {m.statement}"}) for m in result.mechanisms],
         "robot": case.robot(paste, mode="locked", reduction=reduction, confounded=_confounded(found, one)),
         "model_left_out": [*result.model_left_out, *left_out],
@@ -220,16 +222,14 @@ def named(
     return result.model_copy(update=update), paste, nearest[0]
 
 
-def _with_rest(curve: FrictionCurve, named: Sequence[MechanismResult], f_k: Quantity) -> CurveResult:
+def _with_rest(curve: FrictionCurve, named: Sequence[MechanismResult], f_k: Quantity) -> FrictionCurve:
     """The curve with what the named laws say of rest: what breaks the joint away, and how far it gives before."""
-    found, own = CurveResult.model_validate(curve), {k: p for one in named for k, p in one.parameters.items()}
-    bristle, more = own.get("sigma0"), dict[str, P]()
-    if "f_s" in own:
-        more["break_away"] = own["f_s"]
+    own = {k: Quantity(p.value, p.stderr, p.unit, p.why) for one in named for k, p in one.parameters.items()}
+    bristle, far = own.get("sigma0"), curve.presliding
     if bristle is not None and bristle.value and f_k.value:
-        far, errors = f_k.value / bristle.value, ((p.stderr or 0.0) / (p.value or math.inf) for p in (bristle, f_k))
-        more["presliding"] = P.of(Quantity(far, far * math.hypot(*errors), "m" if f_k.unit == "N" else "rad"))
-    return found.model_copy(update=more)
+        size, errors = f_k.value / bristle.value, ((p.stderr or 0.0) / (p.value or math.inf) for p in (bristle, f_k))
+        far = Quantity(size, size * math.hypot(*errors), "m" if f_k.unit == "N" else "rad")
+    return replace(curve, break_away=own.get("f_s", curve.break_away), presliding=far)
 
 
 def _parameters(fitted: Fit, outcome: Outcome, one: OneJoint, explained: bool) -> dict[str, Quantity]:
