@@ -74,26 +74,27 @@ def with_unseen_mass(problem: InverseDynamics) -> InverseDynamics:
     """
     if not problem.mass_names:
         return problem
-    (base, scales), measured, unit = force_baseline(problem), problem.measured, unit_of("kg", problem)
+    (base, scales), measured = force_baseline(problem), problem.measured
     a = float(np.sqrt(np.mean(measured.blocks(measured.a) ** 2)))
     if a <= 0.0:
         return problem
     best = nearest(problem)
     mass = MASS_UNSEEN.value * float(np.sqrt(np.mean(best.residual**2))) / a
+    of, unit = "inertia" if problem.angular else "mass", unit_of("kg", problem)
     if best.model.m < mass:
-        said = (
-            f"The force does not show the mass: {mass:.3g} {unit} are taken, whose part of the force is"
-            f" {100.0 * MASS_UNSEEN.value:.2g} % of what the fit leaves; --mass KG gives another."
-        )
+        why = f"The force does not show the {of}"
+        how = f"whose force is {100.0 * MASS_UNSEEN.value:.2g} % of what the fit leaves"
     else:
         with suppress(SimulationError):
             moving(base, problem, scales)
             return problem
-        mass = best.model.m
-        law = best.model.terms[-1].term.name if best.model.terms else "any other law"
-        said = (
-            f"Without {law} no mass would move so: {mass:.3g} {unit} are taken, as beside it; --mass KG gives another."
-        )
+        if not best.model.terms:
+            return problem
+        mass, law = best.model.m, best.model.terms[-1].term.name
+        why, how = f"Without {law} the fitted {of} is too small to be simulated", "the value fitted with it"
+    # a robot's model says what moves, and its joint takes no --mass
+    another = "" if problem.guarded else "; --mass KG sets another"
+    said = f"{why}: {mass:.3g} {unit} is taken, {how}{another}."
     first = replace(base.model, m=mass)
     return replace(problem, mass=mass, first=first, enters=(*problem.enters, said))
 

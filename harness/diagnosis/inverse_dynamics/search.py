@@ -110,7 +110,7 @@ def under_noise(problem: Q) -> Q:
     if share >= FORCE_HELD.value:
         return problem
     drive, by = problem.drive, after * float(np.median(np.diff(problem.t)))
-    said = f"The force acts {1e3 * by:.2g} ms after its stamps."
+    said = f"The force acts {1e3 * abs(by):.2g} ms {'after' if by > 0.0 else 'before'} its stamps."
     return replace(problem, drive=replace(drive, t=drive.t + by), enters=(*problem.enters, said))
 
 
