@@ -7,7 +7,7 @@ reads it without options; nothing is written unless ``out`` names a folder.
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,7 +21,7 @@ from harness.model.term import Slot, Term
 from harness.results.common import ModelDocument, MotionResult
 from harness.results.compare import ChangeResult, CompareResult, ModelsResult
 from harness.results.diagnosis import DiagnosisResult
-from harness.results.identify import IdentifyResult
+from harness.results.identify import IdentifyResult, RepeatedIdentifyResult
 from harness.results.plan import PlanResult
 from harness.results.prove import ProofCheck, ProofResult
 from harness.results.robot import LogResult
@@ -50,6 +50,7 @@ __all__ = [
     "ProofResult",
     "Recording",
     "RegressResult",
+    "RepeatedIdentifyResult",
     "RunResult",
     "SceneResult",
     "Slot",
@@ -109,19 +110,48 @@ def load(
     return read(Path(path), ReadOptions(columns, skip_rows, rate, start, stop, drop_nan, run=run), trace)
 
 
-def identify(
+# a str is also a sequence of them: it is one file
+@overload
+def identify(  # type: ignore[overload-overlap]
     recording: Recording | File, *, restoring: Literal["spring", "pendulum"] = "spring", out: File | None = None
-) -> IdentifyResult:
+) -> IdentifyResult: ...
+
+
+@overload
+def identify(
+    recording: Sequence[Recording | File],
+    *,
+    restoring: Literal["spring", "pendulum"] = "spring",
+    out: File | None = None,
+) -> RepeatedIdentifyResult: ...
+
+
+def identify(
+    recording: Recording | File | Sequence[Recording | File],
+    *,
+    restoring: Literal["spring", "pendulum"] = "spring",
+    out: File | None = None,
+) -> IdentifyResult | RepeatedIdentifyResult:
     """The estimators on a recording of a free decay: omega_n (rad/s), zeta, x_k (m), with standard errors.
 
-    restoring : what pulls back; a pendulum is read as the spring that it would be. out : folder for result, report and
-    trace, as the command leaves them. Raises InputError with the reason when the recording cannot be read, is driven,
-    or shows no free decay; StoreError when ``out`` cannot be written.
+    recording : several are of one machine: each by itself, and what all say (``result.together``). restoring : what
+    pulls back; a pendulum is read as the spring that it would be. out : folder for result, report and trace, as the
+    command leaves them. Raises InputError with the reason when the recording cannot be read, is driven, or shows no
+    free decay; StoreError when ``out`` cannot be written.
     """
-    from harness.app.identify import deliver, result_of
+    from harness.app import identify as room
 
-    found = _recording(recording)
-    return result_of(found, restoring=restoring)[0] if out is None else deliver(found, Path(out), restoring=restoring)
+    if isinstance(recording, Recording | str | PathLike):
+        found = _recording(recording)
+        if out is None:
+            return room.result_of(found, restoring=restoring)[0]
+        return room.deliver(found, Path(out), restoring=restoring)
+    from harness.app import identify_together as several
+
+    given = [_recording(one) for one in recording]
+    if out is None:
+        return several.result_of_together(given, restoring=restoring)[0]
+    return several.deliver_together(given, Path(out), restoring=restoring)
 
 
 def motion(recording: Recording | File, *, restoring: str | None = None) -> MotionResult:

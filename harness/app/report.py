@@ -8,18 +8,21 @@ from pydantic import ValidationError
 
 from harness.app import compare
 from harness.app.identify import result_of
+from harness.app.identify_together import result_of_together
 from harness.app.run.case import case_of_json
 from harness.app.run.run import measured
 from harness.app.view import find_trace
 from harness.core.errors import InputError, StoreError
+from harness.results.common import Swing
 from harness.results.compare import CompareResult
 from harness.results.diagnosis import DiagnosisResult, read_diagnosis
-from harness.results.identify import IdentifyResult
+from harness.results.identify import FailedIdentify, IdentifyResult, RepeatedIdentifyResult
 from harness.results.run import JointRunResult, RunResult
 from harness.results.scene import SceneResult
 from harness.show.blocks import Page
 from harness.show.report.diagnosis import diagnosis_page
 from harness.show.report.identify import identify_page
+from harness.show.report.identify_together import repeated_page
 from harness.show.report.own_scene import own_scene_page
 from harness.show.report.page import write_report
 from harness.show.report.robot import arm_page, joint_page
@@ -27,7 +30,9 @@ from harness.show.report.run import run_page
 from harness.show.stored import HELD, LEFT, MOTION, SWING, StoredTrace, read_trace, unpacked
 
 PAGE = "report.html"
-Shown: TypeAlias = RunResult | IdentifyResult | DiagnosisResult | CompareResult | JointRunResult | SceneResult
+Shown: TypeAlias = (
+    RunResult | IdentifyResult | RepeatedIdentifyResult | DiagnosisResult | CompareResult | JointRunResult | SceneResult
+)
 
 
 def rebuild(place: Path, out: Path | None = None) -> tuple[Shown, Path]:
@@ -68,11 +73,30 @@ def _run(stored: StoredTrace, data: Any) -> tuple[RunResult, Page]:
 
 def _identify(stored: StoredTrace, data: Any) -> tuple[IdentifyResult, Page]:
     kept, recording = IdentifyResult.model_validate(data), stored.recordings[0]
-    # what runs down is told by its motion
-    restoring = "spring" if kept.restoring == "none" else kept.restoring
-    result, motion = result_of(recording, kept.command, kept.files, restoring)
+    result, motion = result_of(recording, kept.command, kept.files, _restoring(kept))
     result = result.model_copy(update={"machine": kept.machine})
     return result, identify_page(result, recording, motion)
+
+
+def _restoring(kept: IdentifyResult) -> Swing:
+    """What is told about the restoring force; what runs down is told by its motion."""
+    return "spring" if kept.restoring == "none" else kept.restoring
+
+
+def _identify_together(stored: StoredTrace, data: Any) -> tuple[RepeatedIdentifyResult, Page]:
+    kept = RepeatedIdentifyResult.model_validate(data)
+    recordings = iter(stored.recordings)
+    given = [one if isinstance(one, FailedIdentify) else next(recordings) for one in kept.recordings]
+    result, _ = result_of_together(given, kept.command, kept.files, _restoring(kept.found[0]))
+    # each is as it was written: with the machine that it was estimated on
+    each = [
+        again.model_copy(update={"machine": old.machine})
+        if isinstance(again, IdentifyResult) and isinstance(old, IdentifyResult)
+        else again
+        for again, old in zip(result.recordings, kept.recordings, strict=True)
+    ]
+    result = result.model_copy(update={"machine": kept.machine, "recordings": each})
+    return result, repeated_page(result)
 
 
 def _diagnosis(stored: StoredTrace, data: Any) -> tuple[DiagnosisResult, Page]:
@@ -99,6 +123,7 @@ _AGAIN: dict[str, Callable[[StoredTrace, Any], tuple[Shown, Page]]] = {
     "harness.diagnosis/2": _diagnosis,
     "harness.run/1": _run,
     "harness.identify/1": _identify,
+    "harness.identify/2": _identify_together,
     "harness.joint/1": _joint,
     "harness.scene/1": _scene,
     "harness.compare/1": compare.again,

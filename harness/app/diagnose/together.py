@@ -14,7 +14,7 @@ from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.problem import prepared_together, validation
 from harness.app.diagnose.result import STEPS, Diagnosed, read_of, result_of, with_laws
 from harness.app.shared.progress import SILENT, Progress
-from harness.app.shared.reading import recording_info, thinned
+from harness.app.shared.reading import recording_info, refuse_twice, thinned
 from harness.core.errors import InputError
 from harness.core.quantity import Quantity
 from harness.core.recording import Recording
@@ -130,9 +130,11 @@ def investigate_together(
 ) -> Diagnosed:
     """Diagnose recordings of one machine, laid one behind the other.
 
-    Raises InputError when they cannot be diagnosed together, with the reason; SimulationError.
+    Raises InputError when they cannot be diagnosed together, with the reason, and where one is given twice;
+    SimulationError.
     """
     _refuse_options(options)
+    refuse_twice(recordings)
     _refuse_conditions(recordings, options.conditions)
     progress("base fit and search", 1, STEPS)
     recordings = [thinned(one) for one in recordings]

@@ -3,7 +3,7 @@
 import os
 import re
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
@@ -23,7 +23,7 @@ from harness.io.options import ReadOptions
 from harness.io.recording import read_recording
 from harness.results.common import RecordingInfo
 
-__all__ = ["ReadOptions", "read", "read_as", "read_runs", "read_sim", "recording_info", "spooled"]
+__all__ = ["ReadOptions", "read", "read_as", "read_runs", "read_sim", "recording_info", "refuse_twice", "spooled"]
 
 
 def read(path: Path, options: ReadOptions, trace: str | None = None) -> Recording:
@@ -72,6 +72,21 @@ def read_runs(label: str, path: Path, options: ReadOptions, trace: str | None = 
     if not rest:
         return [first]
     return [replace(one, file=f"{one.file} run {number}") for number, one in enumerate((first, *rest), 1)]
+
+
+def refuse_twice(recordings: Sequence[Recording]) -> None:
+    """Raise InputError where two recordings are the same samples: what one of them says would count twice."""
+    for i, one in enumerate(recordings):
+        for first in recordings[:i]:
+            if one.channels.keys() == first.channels.keys() and all(
+                np.array_equal(y, other) for y, other in zip(_columns(one), _columns(first), strict=True)
+            ):
+                known = "given twice" if one.file == first.file else f"the same samples as {first.file}"
+                raise InputError(one.file, f"{known}: it would count twice", "each recording once")
+
+
+def _columns(recording: Recording) -> list[FloatArray]:
+    return [recording.t, *(recording.channels[name] for name in sorted(recording.channels))]
 
 
 @contextmanager

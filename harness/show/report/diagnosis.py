@@ -2,14 +2,13 @@
 
 import os
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path, PurePath
 from typing import TypeAlias
 
 from harness.core.errors import short_names
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
-from harness.results.common import RepeatedResult
 from harness.results.diagnosis import (
     AttributionResult,
     DiagnosisResult,
@@ -24,6 +23,7 @@ from harness.show.report.curves import damping_section, law_section, statements
 from harness.show.report.diagnosis_figures import Curves, evidence, left, model_names, nameless, probabilities, shares
 from harness.show.report.identify import samples_of
 from harness.show.report.page import made_with
+from harness.show.report.repeated import repeated_table
 from harness.show.report.robot import fleet_sections, joint_beside
 from harness.show.report.run import settings_of
 from harness.show.stored import Shown
@@ -251,44 +251,12 @@ def _own(result: DiagnosisResult) -> b.Section:
         b.tabulated("recording", alone, result.own, lambda one: names[one.file], caption=caption),
     ]
     if result.together:
-        tables.append(_together(result.together))
+        tables.append(repeated_table(result.together, "The model above fitted to each by itself."))
     return b.Section("Recordings of one machine", tables)
 
 
 def _noise(value: float | str | None, digits: int = 4) -> str:
     return number(value, digits) if isinstance(value, float) else str(value or NONE)
-
-
-def _together(together: Mapping[str, RepeatedResult]) -> b.Table:
-    """What recordings say together of each parameter, and with what it changes."""
-    every = [trend for one in together.values() for trend in one.trends]
-    columns = [
-        b.Column(
-            "of all", lambda one: b.measured(one[1].value), "", "its error (type A) counts the spread between them"
-        ),
-        b.Column("U", lambda one: number(one[1].expanded, 2), "", "expanded uncertainty of both types, k = 2"),
-        b.Column(
-            "type B",
-            lambda one: number(one[1].value.systematic, 2),
-            "",
-            "what hidden effects could shift it by; the sensors' calibration counts beside it",
-        ),
-        b.Column(
-            "error of one", lambda one: number(one[1].within, 2), "", "standard error of a single recording's value"
-        ),
-        b.Column("spread between", lambda one: number(one[1].between, 2), "", "standard deviation beyond those errors"),
-        b.Column("stands out", lambda one: ", ".join(PurePath(file).name for file in one[1].outliers) or "none"),
-        *(b.Column(f"per {name}", b.by(name, _slope)) for name in dict.fromkeys(t.name for t in every)),
-    ]
-    changes = [f"{name}: {t.said}." for name, one in together.items() for t in one.trends if t.differs]
-    caption = " ".join(["The model above fitted to each by itself.", *changes])
-    rows = list(together.items())
-    return b.tabulated("parameter", columns, rows, lambda one: f"{one[0]}, {one[1].value.unit}", caption=caption)
-
-
-def _slope(one: tuple[str, RepeatedResult], name: str) -> b.Cell:
-    trend = next((trend for trend in one[1].trends if trend.name == name), None)
-    return b.Cell(NONE) if trend is None else b.measured(trend.slope, grade=4 if trend.differs else None)
 
 
 def _units(result: DiagnosisResult) -> dict[str, str]:

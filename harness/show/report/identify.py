@@ -63,7 +63,7 @@ def identify_page(result: IdentifyResult, recording: Recording, fitted: Trajecto
     else:
         figures = [_by_reversal(result.estimates, name) for name in ("x_k", "zeta")]
         reversals = Section("Reversal by reversal", [figure for figure in figures if figure is not None])
-        methods = _methods(result.estimates, result.sensor_phase_rad)
+        methods = methods_section(result.estimates, _lead_of(result.sensor_phase_rad))
         damping = [] if result.damping is None else [damping_section(result.damping)]
         read = [methods, *damping, _channels(recording, result, fitted), reversals]
     sections = [
@@ -124,8 +124,16 @@ def _slowing(result: IdentifyResult) -> Section:
     return Section("Estimates", [table])
 
 
-def _methods(estimates: All, phase: P) -> Section:
-    """phase : of the accelerometer over the displacement sensor, rad."""
+def _lead_of(phase: P) -> str:
+    """What is said of the phase of the accelerometer over the displacement sensor, rad."""
+    if phase.value is None:
+        return f" Phase lead between the sensors: not estimated ({phase.why})."
+    lead = "Phase lead of the accelerometer over the displacement sensor, removed before estimating"
+    return f" {lead}: {sentence_quantity(phase)}."
+
+
+def methods_section(estimates: All, more: str = "") -> Section:
+    """A row a method that gives a number, the others below. more : of the caption."""
     reasons = Reasons(letter)
     usable = {
         method: one for method, one in estimates.items() if any(p_of(one, n).value is not None for n in QUANTITIES)
@@ -134,12 +142,6 @@ def _methods(estimates: All, phase: P) -> Section:
     for name, label in QUANTITIES.items():
         unit = next((quantity(p_of(one, name))[2] for one in estimates.values()), "")
         columns.append(Column(label, by(name, lambda one, name: estimated(one[1], name, None, reasons)), unit))
-    lead = f"Phase lead between the sensors: not estimated ({phase.why})."
-    if phase.value is not None:
-        lead = (
-            "Phase lead of the accelerometer over the displacement sensor, removed before estimating: "
-            f"{sentence_quantity(phase)}."
-        )
     table = tabulated(
         "method",
         columns,
@@ -147,7 +149,7 @@ def _methods(estimates: All, phase: P) -> Section:
         lambda one: one[0],
         lambda one: f"{one[1].reversals} reversals",
         reasons=reasons,
-        caption=f"Below each value: one standard error. {lead}",
+        caption=f"Below each value: one standard error.{more}",
     )
     unused = [
         f"{method}: {next((why for n in QUANTITIES if (why := p_of(one, n).why)), '')}"
