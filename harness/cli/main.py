@@ -14,7 +14,7 @@ from contextlib import suppress
 from datetime import datetime
 from importlib import import_module
 from types import FrameType
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import click
 from click.shell_completion import shell_complete
@@ -132,12 +132,36 @@ def main(args: Sequence[str] | None = None) -> NoReturn:
         except OSError:
             os.open(os.devnull, os.O_RDWR)  # takes the lowest that is free
     one_thread()
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout = _heard(sys.stdout)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):  # a locale without the letter in question shows its number
             stream.reconfigure(errors="backslashreplace")
     logging.captureWarnings(True)  # what libraries warn of goes to the log, where one is kept
     heed()
     sys.exit(run(args))
+
+
+class _WhileHeard(io.FileIO):
+    """A stream whose reader may go: what it wanted (``| head``) it has, and the command ends as it would have."""
+
+    def write(self, data: Any, /) -> int:
+        try:
+            return super().write(data)
+        except BrokenPipeError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), self.fileno())
+            return memoryview(data).nbytes
+
+
+def _heard(stream: io.TextIOWrapper) -> io.TextIOWrapper:
+    """The same stream, its buffer and letters, which outlives its reader."""
+    raw = _WhileHeard(stream.fileno(), "w", closefd=False)
+    return io.TextIOWrapper(
+        io.BufferedWriter(raw),
+        stream.encoding,
+        line_buffering=stream.line_buffering,
+        write_through=stream.write_through,
+    )
 
 
 def run(args: Sequence[str] | None = None) -> int:
@@ -192,8 +216,6 @@ def _stream(error: OSError) -> int:
     """Standard output that is closed or full; anything else of the operating system's is told as it is."""
     with suppress(OSError):  # what is still buffered cannot be written either, and must not fail again at exit
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.__stdout__.fileno() if sys.__stdout__ else 1)
-    if isinstance(error, BrokenPipeError):
-        return 1
     if isinstance(error, FileNotFoundError) and error.filename is None:
         return _say("the working folder: it was removed; expected a folder that is there", 2)
     where = f"{error.filename}: " if error.filename else "output: "

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from rich.table import Table
 
@@ -182,3 +183,19 @@ def test_a_call_that_looks_up_at_nothing_is_ended(stop: signal.Signals, tmp_path
             deaf.kill()
     assert (deaf.returncode, err) == (130, "harness: interrupted; nothing was written\n")
     assert not any(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(("files", "code"), [(["good.csv"], 0), (["good.csv", "none.csv"], 1)])
+def test_a_reader_that_goes_early_changes_nothing(files: list[str], code: int, tmp_path: Path) -> None:
+    """What ``| head -1`` closes: the files are written, nothing is said, and the code is that of the work."""
+    t = np.arange(600) * 5e-3
+    x = np.exp(-0.2 * t) * np.cos(8.0 * t) + np.random.default_rng(0).normal(0.0, 1e-3, t.size)
+    np.savetxt(tmp_path / "good.csv", np.column_stack([t, x]), delimiter=",", header="t,x", comments="")
+    line = [sys.executable, "-m", "harness.cli", "identify", *files, "--out", "out"]
+    with subprocess.Popen(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path) as left:
+        assert left.stdout is not None
+        assert left.stderr is not None
+        left.stdout.close()
+        said = left.stderr.read()
+    assert (left.returncode, said) == (code, "")
+    assert (tmp_path / "out" / "report.html").is_file()
