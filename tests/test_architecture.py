@@ -260,7 +260,9 @@ def test_help_of_every_command_loads_nothing_heavy() -> None:
 
 
 def bound(node: ast.stmt) -> set[str]:
-    """Names that a statement of a module gives a meaning."""
+    """Names that a statement of a module gives a meaning; an overload is a signature of the meaning that follows."""
+    if isinstance(node, ast.FunctionDef) and any(ast.unparse(one) == "overload" for one in node.decorator_list):
+        return set()
     if isinstance(node, ast.FunctionDef | ast.ClassDef):
         return {node.name}
     targets = node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
