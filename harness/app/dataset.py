@@ -3,6 +3,7 @@
 The drive axis with its cross-validation, published figures beside ours; real machines, beside what other fits said.
 """
 
+import shlex
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -210,7 +211,9 @@ class Emps:
         for name, digest in SHA256.items():
             path = folder / name
             if not path.is_file():
-                raise InputError(str(path), "no such file", f"a folder with {FITTED} and {OTHER} ({SOURCE})")
+                raise InputError(
+                    str(path), "no such file", f"try: harness dataset emps --download {shlex.quote(str(folder))}"
+                )
             seen = sha256(path)
             if seen != digest:
                 raise InputError(str(path), f"sha256 {seen[:12]}...", f"the published file, {digest[:12]}...")

@@ -62,18 +62,18 @@ def plan(
         if name in led:
             raise InputError(f"--joints: {name}", f"it goes where {led[name]} takes it", led[name])
     limits = Limits.of(robot, arm, names, speed, torque)
-    rng = np.random.default_rng(_SEED)
-    progress("random motions", 0, 3)
-    others = [random_motion(arm, names, limits, seconds, rng) for _ in range(_RANDOM)]
-    noise = np.maximum(np.median([other.torque() for other in others], axis=0), 1e-9)
-    progress("the best motion", 1, 3)
-    best = planned(arm, names, limits, seconds, noise)
-    progress("writing", 2, 3)
-    least = best.errors(noise)
-    better = np.median([other.errors(noise) for other in others], axis=0) / least
-    drawn = [random_motion(arm, names, limits, seconds, rng, largest=False).errors(noise) for _ in range(_RANDOM)]
-    conditioned = min(others, key=lambda other: other.condition(noise)).errors(noise)
     with leaving("plan", out) as output:
+        rng = np.random.default_rng(_SEED)
+        progress("random motions", 0, 3)
+        others = [random_motion(arm, names, limits, seconds, rng) for _ in range(_RANDOM)]
+        noise = np.maximum(np.median([other.torque() for other in others], axis=0), 1e-9)
+        progress("the best motion", 1, 3)
+        best = planned(arm, names, limits, seconds, noise)
+        progress("writing", 2, 3)
+        least = best.errors(noise)
+        better = np.median([other.errors(noise) for other in others], axis=0) / least
+        drawn = [random_motion(arm, names, limits, seconds, rng, largest=False).errors(noise) for _ in range(_RANDOM)]
+        conditioned = min(others, key=lambda other: other.condition(noise)).errors(noise)
         _write(best, rate, output / FILES["csv"], output / FILES["ros"])
         _episode(best, output / FILES["lerobot"])
         result = PlanResult(

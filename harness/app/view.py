@@ -1,6 +1,7 @@
 """Traces opened in the viewer; light, since the command asks it before anything heavy is loaded."""
 
 import os
+import shlex
 import shutil
 import subprocess
 import sys
@@ -18,16 +19,29 @@ def find_trace(place: Path) -> Path:
 
     Raises InputError when there is none.
     """
-    path = place / TRACE if place.is_dir() else place
-    if not path.is_file():
-        raise InputError(str(path), "no such file", f"an output folder with {TRACE}, or a .rrd")
-    if path.suffix.lower() != ".rrd":
-        # the page or the result of a run is pointed at where its folder, or the trace beside it, is meant
-        near = f"; did you mean {path.with_name(TRACE)}?" if path.with_name(TRACE).is_file() else ""
-        raise InputError(str(path), f"a {path.suffix or 'nameless'} file", f"an output folder or a .rrd{near}")
-    return path
+    if place.is_dir():
+        if (place / TRACE).is_file():
+            return place / TRACE
+        inside = next(iter(sorted(place.glob(f"*/{TRACE}"))), None)  # of a folder of several results
+        near = f"; did you mean {inside}?" if inside else ""
+        raise InputError(str(place), f"no {TRACE} in it", f"an output folder with {TRACE}, or a .rrd{near}")
+    if not place.is_file():
+        raise InputError(str(place), "no such file", f"an output folder with {TRACE}, or a .rrd")
+    if place.suffix.lower() == ".rrd":
+        return place
+    kind = f"a {place.suffix or 'nameless'} file"
+    # the page or the result of a run is pointed at where its folder, or the trace beside it, is meant
+    if place.with_name(TRACE).is_file():
+        accepted = f"an output folder or a .rrd; did you mean {place.with_name(TRACE)}?"
+    elif place.suffix.lower() in _PAGES:
+        accepted = "an output folder or a .rrd"
+    else:
+        accepted = f"try: harness log {shlex.quote(str(place))}"
+    raise InputError(str(place), kind, accepted)
 
 
+_PAGES = (".html", ".json")
+"""Endings of what is written beside a trace."""
 MOST = 10
 """Traces laid over each other: there are as many colours."""
 

@@ -14,7 +14,8 @@ from harness.core.errors import InputError
 from harness.core.registered import names
 
 F = TypeVar("F", bound=Callable[..., Any])
-PATH = click.Path(path_type=Path)
+PATH = click.Path(path_type=Path, readable=False)
+"""Of what cannot be read the reader says so, by its name: of several files the others go on."""
 
 
 def group(name: str, make: Callable[..., Any], *options: Callable[[F], F]) -> Callable[[F], F]:

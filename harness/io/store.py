@@ -3,6 +3,7 @@
 import errno
 import fcntl
 import os
+import shlex
 import shutil
 import stat
 import tempfile
@@ -51,8 +52,12 @@ class OutputFolder:
 
     def commit(self) -> None:
         """Rename everything into place; raises StoreError when the place was taken meanwhile."""
-        with explained(self.final):
+        try:
             os.rename(self.work, self.final)
+        except OSError as error:
+            taken = error.errno in (errno.ENOTEMPTY, errno.EEXIST)
+            said = "another command has filled it meanwhile; expected a folder of its own" if taken else reason(error)
+            raise StoreError(f"{self.final}: {said}") from error
         self.committed = True
 
     def close(self) -> None:
@@ -105,9 +110,13 @@ def _reserve(name: str, out: Path | None, begun: frozenset[str] = frozenset()) -
             raise StoreError(f"--out {out}: the folder holds files already; expected a new or empty one")
         return final, made
     parent = Path.cwd() / DEFAULT_PARENT
-    made = _make(parent)
-    clear(parent)
     stamp = f"{name}-{time.strftime('%Y%m%d-%H%M%S')}"
+    try:
+        made = _make(parent)
+    except StoreError as error:
+        elsewhere = shlex.quote(str(Path(tempfile.gettempdir()) / stamp))
+        raise StoreError(f"{str(error).partition('; ')[0]}. Try: --out {elsewhere}") from error
+    clear(parent)
     for attempt in range(1, 1000):
         final = parent / (stamp if attempt == 1 else f"{stamp}-{attempt}")
         try:

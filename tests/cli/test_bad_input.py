@@ -2,6 +2,7 @@
 
 import json
 import os
+import shlex
 import shutil
 import subprocess
 import sys
@@ -14,7 +15,9 @@ import pytest
 from hostile import HOSTILE, MODELS, ROWS
 
 from harness.cli.main import run
+from harness.core.errors import StoreError
 from harness.engines import models
+from harness.io.store import output_folder
 from harness.model.document import to_document
 from harness.model.model import Model
 from harness.robot.arm import load_arm
@@ -264,3 +267,41 @@ def test_what_is_not_asked_for_is_not_read(tmp_path: Path, capfd: pytest.Capture
     for name in ("a.mat", "a.npz"):
         assert run(["identify", str(tmp_path / name), "--json", "-", "--out", str(tmp_path / f"out-{name}")]) == 0
         assert capfd.readouterr().err == ""
+
+
+def test_where_reports_cannot_be_the_line_goes_elsewhere(
+    desk: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A file stands where reports/ is to be made; the proposed line is run, and works."""
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(desk / "good.csv", tmp_path)
+    (tmp_path / "reports").write_text("")
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    assert run(["identify", "good.csv", "--quiet"]) == 2
+    line = capfd.readouterr().err.partition("Try: harness ")[2]
+    assert "--out" in line
+    assert run(shlex.split(line)) == 0
+
+
+def test_a_folder_that_another_has_filled_meanwhile_is_said(tmp_path: Path) -> None:
+    with output_folder("run", tmp_path / "out") as output:
+        (tmp_path / "out" / "theirs.txt").write_text("precious")
+        with pytest.raises(StoreError, match="out: another command has filled it meanwhile"):
+            output.commit()
+    assert (tmp_path / "out" / "theirs.txt").read_text() == "precious"
+
+
+@pytest.mark.parametrize(
+    ("line", "proposed"),
+    [
+        ("report good.csv", "harness log good.csv"),
+        ("view good.csv", "harness log good.csv"),
+        ("report .", "harness report run/trace.rrd"),
+        ("tune newton", "harness doctor"),
+        ("regress --traces full", "harness sweep --keep-traces worst:10"),
+    ],
+)
+@pytest.mark.usefixtures("desk")
+def test_an_error_ends_in_a_line_that_helps(line: str, proposed: str, capfd: pytest.CaptureFixture[str]) -> None:
+    assert run(line.split()) == 2
+    assert capfd.readouterr().err.endswith(f"Try: {proposed}\n")

@@ -182,7 +182,7 @@ def compared_traces(folder: Path, baseline: Path | None, rows: Selection | None 
     """
     files = sorted(folder.rglob("*.rrd"))
     if not files:
-        raise InputError(f"--traces {folder}", "no .rrd files", "the traces folder of a sweep")
+        raise InputError(f"--traces {folder}", "no .rrd files", "try: harness sweep --keep-traces worst:10")
     rows = rows or Selection()
     found = {row["name"]: (row, stored) for row, stored in map(recomputed, files) if rows.runs(row["name"])}
     if baseline is not None:

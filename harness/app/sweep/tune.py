@@ -141,7 +141,8 @@ def tune(
     try:
         engine = registry.load(name)
     except SimulationError as error:
-        raise InputError(f"engine {name}", str(error), "an installed engine") from None
+        reason = str(error).removeprefix(f"engine {name}: ")
+        raise InputError(f"engine {name}", reason, "try: harness doctor") from None
     subject, defaults = subject or Subject(), engine.presets(route, "as-shipped", dt)
     found = found.of_file(subject.own, defaults)
     trial = Trial(engine, route, dt, subject)
@@ -224,7 +225,10 @@ _CHANNELS = {"m/s": "v", "m": "x", "s": "t"}
 
 
 def goal(text: str) -> Goal:
-    """From "creep<.01mm/s" or "zeta < 1%". Raises InputError, about --meet, for what says no figure, limit or unit."""
+    """From "creep<.01mm/s" or "zeta < 1%". SI where no unit stands.
+
+    Raises InputError, about --meet, for what says no figure or limit, or has a unit of another kind.
+    """
     found = _GOAL.fullmatch(text)
     accepted = "try: --meet 'creep<0.01mm/s'"
     if found is None:

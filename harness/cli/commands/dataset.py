@@ -1,5 +1,6 @@
 """harness dataset."""
 
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -34,10 +35,10 @@ def command(name: str, folder: Path | None, into: Path | None, jobs: int | None,
     """
     if name == "machines":
         if into is not None:
-            accepted = "--from DIR: their files are fetched by hand"
-            raise InputError("--download", "given with machines", accepted)
+            accepted = f"try: harness dataset machines --from {shlex.quote(str(into))}"
+            raise InputError("--download", "given with machines, whose files are fetched by hand", accepted)
         if folder is None:
-            raise InputError("--from", "not given", "the folder with the recordings")
+            raise InputError("--from", "not given; it is the folder with the recordings", "try: harness dataset --help")
         from harness.app.dataset import dataset_machines
 
         with to.told() as progress:
