@@ -360,7 +360,8 @@ class DiagnosisResult(Paged):
         default_factory=list,
         description=(
             "what may be missing, most likely first, down to a probability of .01; no names: nothing that has one. "
-            "All others share what is left of 1: one may be there, too weak to identify. Empty of an arm"
+            "All others share what is left of 1: one may be there, too weak to identify. Of an arm a name of one joint "
+            "has that before it"
         ),
     )
     refined: FitResult

@@ -61,7 +61,9 @@ class EntryResult(Result):
     grade: str
     share: float = Field(description="of what the base leaves beyond the noise")
     evidence: float = Field(description="square of estimate over standard error, of one number")
-    rivals: list[str] = Field(description="what would do nearly as well")
+    bic: float | None = Field(default=None, description="the same less the logarithm of the samples that show it")
+    probability: float | None = Field(default=None, description="that it is missing")
+    rivals: list[str] = Field(description="what would do nearly as well, with its joint where that is another")
     parameters: dict[str, P]
     statement: str
 

@@ -21,7 +21,7 @@ from harness.diagnosis.grading.contest import (
     shown_as_part,
     softmax,
 )
-from harness.diagnosis.grading.likely import ranked, with_unseen
+from harness.diagnosis.grading.likely import Chosen, of_steps, ranked, with_unseen
 from harness.diagnosis.grading.prediction import Predicted
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.problem import Problem
@@ -165,6 +165,26 @@ def test_a_driven_motion_has_a_clock_where_it_repeats_itself(
     about = 2.0 * np.pi / (period or 1.0)
     expected = 0.0 if period is None else 2.0 * np.pi / period
     assert beat(base, problem, about) == pytest.approx(expected, rel=0.02)
+
+
+def test_models_that_a_search_in_steps_fitted_are_as_likely_as_their_evidence() -> None:
+    """Of ten names each counts a tenth, beside half its evidence in the exponent."""
+    steps = [Chosen("stribeck", 30.0, {}), Chosen("backlash", 5.0, {"end-stop": 2.0})]
+    others: dict[tuple[str, ...], float] = {("quadratic-drag",): 36.0, ("magnetic",): 60.0}
+    found = of_steps(steps, 40.0, others, 10)
+    pair = ("stribeck", "backlash")
+    odds: dict[tuple[str, ...], tuple[float, int]] = {
+        ("stribeck",): (-2.5, 1),
+        ("backlash",): (-15.0, 1),
+        ("stribeck", "end-stop"): (-1.0, 2),
+        (): (-20.0, 0),
+    }
+    odds |= {("quadratic-drag",): (-2.0, 1)}
+    for names, (half, count) in odds.items():
+        assert found[names] / found[pair] == pytest.approx(np.exp(half) * 10.0 ** (2 - count))
+    # what the search passed by with more evidence was refused, and is no likelier by that
+    assert found["magnetic",] / found[pair] == pytest.approx(10.0)
+    assert sum(found.values()) == pytest.approx(1.0)
 
 
 def test_what_is_not_identified_takes_its_share_of_none_and_has_no_name() -> None:

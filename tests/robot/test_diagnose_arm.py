@@ -71,6 +71,11 @@ def test_every_joint_is_told_where_none_is_named(case: Path) -> None:
     assert run([*line, "--out", str(case / "every"), "--json", str(case / "every.json")]) == 0
     result = json.loads((case / "every.json").read_text())
     assert result["robot"]["joint"] == "all"
+    # what is too weak to be seen has the rest
+    assert result["posterior"][0]["names"] == []
+    assert 0.7 < sum(one["probability"] for one in result["posterior"]) < 0.9
+    none = result["posterior"][0]["probability"]
+    assert f"No other effect is found in all of the arm (P {none:.2f})." in result["statement"]
     pasted = mujoco.MjModel.from_xml_path(result["files"]["robot_mjcf"])
     for i, joint in enumerate(JOINTS):
         told = {one["joint"]: one for one in result["robot"]["arm"]["joints"]}[joint]

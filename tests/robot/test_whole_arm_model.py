@@ -298,6 +298,10 @@ def test_an_effect_is_named_with_its_numbers_in_its_joint_alone(name: str) -> No
         assert values[what].value == pytest.approx(truth, rel=0.1)
     assert told.share > 0.5
     assert told.grade in (Grade.EXPLAINS, Grade.MAIN)
+    likeliest = max(found.likely, key=found.likely.__getitem__)
+    assert likeliest == (f"joint{JOINT + 1}: {name}",)
+    # reversals are few, and say less
+    assert found.likely[likeliest] > (0.6 if name in (PRESLIDING, STATIC, BACKLASH) else 0.9)
     before, after = found.joints[JOINT].held_out or (0.0, 0.0)
     assert after < before or name in (PRESLIDING, STATIC, BACKLASH)
     for _, value in told.parameters:

@@ -1,6 +1,5 @@
 """A joint of an arm that moves as a whole: what its torque says of its friction, and of the model."""
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
@@ -15,13 +14,14 @@ from harness.app.shared.leaving import leave, leaving
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.quantity import Quantity
+from harness.diagnosis.grading.likely import Likely, probability, ranked, said, with_unseen
 from harness.model.model import Model, Restoring
 from harness.results.common import Where
 from harness.results.diagnosis import DiagnosisResult, FitResult, MechanismResult
 from harness.results.robot import ArmResult, EntryResult, JointResult
 from harness.robot.paste import JointPaste
 from harness.robot.reduction import reduced
-from harness.robot.whole_arm.result import Entry, JointFriction, WholeArm
+from harness.robot.whole_arm.result import Entry, JointFriction, WholeArm, with_joint
 from harness.robot.whole_arm.rules import EXPLAINED
 from harness.robot.whole_arm.whole import whole_arm
 from harness.show.report.robot import arm_page
@@ -104,8 +104,8 @@ def _told(case: JointCase, found: WholeArm) -> list[JointFriction]:
 
 
 def _arms(found: WholeArm) -> ArmResult:
-    every = [_entry(effect, "friction") for one in found.joints for effect in one.effects]
-    every += [_entry(error, "model") for error in found.model]
+    every = [_entry(effect, "friction", found.likely) for one in found.joints for effect in one.effects]
+    every += [_entry(error, "model", found.likely) for error in found.model]
     joints = [_joint(one) for one in found.joints]
     return ArmResult.taken_from(found, joints=joints, found=every, lowpass_hz=found.lowpass, rate_hz=found.rate)
 
@@ -118,11 +118,11 @@ def _of_one(
     inertia = _inertia(case, joint.joint)
     squares = [{} if rms is None else {"u": rms} for rms in joint.held_out or (None, None)]
     refined = joint.coulomb, joint.viscous, joint.offset
-    more = _about(case, found, own, [joint])
+    more = _about(case, found, own)
     return case.result(
         Model(inertia, paste.c, 0.0, paste.f_k, restoring=Restoring.NONE),
         verdict=_verdict([joint], own),
-        statement=f"The whole arm moves. {_statement(joint, own)}",
+        statement=f"The whole arm moves. {_statement(joint, own)}{_how_likely(found, own)}",
         baseline=_fit(_numbers(joint.base or refined, inertia), squares[0]),
         refined=_fit(_numbers(refined, inertia), squares[1]),
         curve=joint.curve,
@@ -147,8 +147,8 @@ def _of_all(
     arms, inertias = _arms(found), {one.joint: _inertia(case, one.joint) for one in told}
     own = sorted(arms.found, key=lambda one: -one.share)
     of_arm = [one for one in own if one.joint is None]
-    said = [_in_short(one, [e for e in own if e.joint == one.joint]) for one in told]
-    more, lead = _about(case, found, own, told), pastes[0]
+    each = [_in_short(one, [e for e in own if e.joint == one.joint]) for one in told]
+    more, lead = _about(case, found, own), pastes[0]
 
     def fit(base: bool) -> FitResult:
         numbers: dict[str, Quantity] = {}
@@ -161,7 +161,8 @@ def _of_all(
     return case.result(
         Model(inertias[lead.joint], lead.c, 0.0, lead.f_k, restoring=Restoring.NONE),
         verdict=_verdict(told, own),
-        statement=" ".join(("The whole arm moves.", *said, *(one.statement for one in of_arm))),
+        statement=" ".join(("The whole arm moves.", *each, *(one.statement for one in of_arm)))
+        + _how_likely(found, own),
         baseline=fit(base=True),
         refined=fit(base=False),
         holdout={"spans_s": [], "baseline_rmse": {}, "refined_rmse": {}},
@@ -184,22 +185,26 @@ def _inertia(case: JointCase, joint: str) -> float:
     return reduced(case.arm, joint, middle).moved
 
 
-def _about(
-    case: JointCase, found: WholeArm, own: Sequence[EntryResult], told: Sequence[JointFriction]
-) -> dict[str, Any]:
+def _about(case: JointCase, found: WholeArm, own: Sequence[EntryResult]) -> dict[str, Any]:
     """What results of one and of all say alike."""
-    samples = min(one.samples for one in told)
+    likely = found.likely if found.entries else with_unseen(found.likely)
     return {
-        "mechanisms": [_mechanism(one, found.seconds, samples) for one in own],
+        "mechanisms": [_mechanism(one, found.seconds) for one in own],
+        "posterior": [{"names": h.names, "probability": h.probability} for h in ranked(likely)],
         "rules": found.rules,
         "model_left_out": [_NO_MODEL.format(name=one.name) for one in own if one.family != "model"],
         "warnings": [*case.arm.notes, *found.notes],
     }
 
 
-def _entry(one: Entry, family: str) -> EntryResult:
+def _entry(one: Entry, family: str, likely: Likely) -> EntryResult:
     return EntryResult.taken_from(
-        one, family=family, partner=one.partner or one.pair, grade=one.grade.value, parameters=dict(one.parameters)
+        one,
+        family=family,
+        partner=one.partner or one.pair,
+        grade=one.grade.value,
+        parameters=dict(one.parameters),
+        probability=probability(likely, one.label),
     )
 
 
@@ -211,10 +216,10 @@ def _verdict(told: Sequence[JointFriction], own: Sequence[EntryResult]) -> str:
     return "adequate" if quiet else "unexplained"
 
 
-def _mechanism(one: EntryResult, seconds: float, samples: int) -> MechanismResult:
+def _mechanism(one: EntryResult, seconds: float) -> MechanismResult:
     return MechanismResult.taken_from(
         one,
-        delta_bic=one.evidence - math.log(samples),
+        delta_bic=one.bic,
         where=Where(time_s=[[0.0, seconds]], regime="throughout", condition="", share=None),
         # what no log can part is as good
         alternatives=[{"name": one.partner, "delta_bic": 0.0}] if one.partner else [],
@@ -231,6 +236,16 @@ def _fit(parameters: Mapping[str, Quantity], rmse: dict[str, float]) -> FitResul
     return FitResult.model_validate({"parameters": parameters, "rmse": rmse, "chi2_per_point": None})
 
 
+def _how_likely(found: WholeArm, own: Sequence[EntryResult]) -> str:
+    """That what is named is missing, or that nothing is in all of the arm."""
+    if own:
+        labels = (with_joint(one.name, one.joint) for one in own)
+        return f" Missing: {', '.join(f'{label} ({said(probability(found.likely, label))})' for label in labels)}."
+    if found.entries:
+        return " No other effect of it is found."
+    return f" No other effect is found in all of the arm ({said(with_unseen(found.likely).get((), 0.0))})."
+
+
 def _in_short(joint: JointFriction, own: Sequence[EntryResult]) -> str:
     """The same where every joint has a sentence, and a table the numbers."""
     curved = joint.curve
@@ -241,10 +256,9 @@ def _in_short(joint: JointFriction, own: Sequence[EntryResult]) -> str:
 def _statement(joint: JointFriction, own: Sequence[EntryResult]) -> str:
     """Friction, and what is found beside it, the largest share first."""
     more = [one.statement for one in own]
-    none = [] if more or joint.left is None else ["No other effect is found."]
     line = stands_for(*joint.line, [effect.name for effect in joint.effects])
     over_speed = [] if joint.curve is None else [of_curve(joint.curve)]
-    return " ".join((joint.statement, *over_speed, *more, *none)) + line
+    return " ".join((joint.statement, *over_speed, *more)) + line
 
 
 def _joint(one: JointFriction) -> JointResult:

@@ -1,7 +1,8 @@
 """How likely what may be missing is, from the evidence of models that were fitted, whoever fitted them."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 from harness.diagnosis.outcome import Hypothesis
 from harness.diagnosis.residual_tests.structure import UNNAMED
@@ -19,6 +20,39 @@ def weighed(evidence: Mapping[tuple[str, ...], float]) -> Likely:
     """Probabilities from evidence, twice a log likelihood, that counts already how likely each name was before."""
     most = max(evidence.values())
     return _whole({names: math.exp(0.5 * (size - most)) for names, size in evidence.items()})
+
+
+@dataclass(frozen=True, slots=True)
+class Chosen:
+    """A name of the model that a search came to. gain : evidence that the model loses without it. rivals : others that
+    would have done nearly as well in its place, with by how much they are worse.
+    """
+
+    name: str
+    gain: float
+    rivals: Mapping[str, float]
+
+
+def of_steps(steps: Sequence[Chosen], whole: float, others: Mapping[tuple[str, ...], float], choices: int) -> Likely:
+    """Which names are missing, of models that a search in steps fitted: each name as likely before as any other.
+
+    What was refused, since what was not fitted does not confirm it, is no likelier than what the search came to.
+
+    whole : evidence of all steps together, others : of other models that were fitted. choices : names that there are.
+    """
+    chosen = tuple(step.name for step in steps)
+    sizes: dict[tuple[str, ...], float] = {(): 0.0}
+    for names, size in others.items():
+        ordered = *(name for name in chosen if name in names), *(name for name in names if name not in chosen)
+        sizes[ordered] = size
+    for step in steps:
+        rest = tuple(name for name in chosen if name != step.name)
+        beside = {rest: whole - step.gain, **{(*rest, n): whole - worse for n, worse in step.rivals.items()}}
+        sizes |= {names: max(size, sizes.get(names, -math.inf)) for names, size in beside.items()}
+    sizes[chosen] = whole
+    prior = 2.0 * math.log(choices)
+    likely = weighed({names: size - prior * len(names) for names, size in sizes.items()})
+    return no_likelier(likely, chosen, choices)
 
 
 def no_likelier(likely: Likely, chosen: tuple[str, ...], choices: int) -> Likely:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from harness.diagnosis.baseline.words import evidence
-from harness.diagnosis.grading.likely import Likely, beside_other_forms, no_likelier, weighed
+from harness.diagnosis.grading.likely import Chosen, Likely, beside_other_forms, of_steps
 from harness.diagnosis.rules import MARGIN
 from harness.fit.least_squares import Until
 from harness.robot.servo.fit import Logs, ServoFit, fit
@@ -172,26 +172,16 @@ class Search:
 
     @property
     def likely(self) -> Likely:
-        """Which terms are missing, of those that were fitted: each as likely before as any other.
-
-        What was refused, since what was not fitted does not confirm it, is no likelier than the best; and where the
-        best has terms, another effect may look like them.
+        """Which terms are missing, of those that were fitted; where the best has terms, another effect may look like
+        them.
         """
-        prior = 2.0 * math.log(len(TERMS))
-        chosen = tuple(step.term.name for step in self.steps)
-        whole = _evidence(self.base, self.best) if chosen else 0.0
-        sizes: dict[tuple[str, ...], float] = {(): 0.0} | {(name,): size for name, size in self.tried.items()}
-        for step in self.steps:
-            others = tuple(name for name in chosen if name != step.term.name)
-            beside = {others: whole - step.gain, **{(*others, n): whole - worse for n, worse in step.rivals.items()}}
-            sizes |= {names: max(size, sizes.get(names, -math.inf)) for names, size in beside.items()}
-        sizes[chosen] = whole
-        likely = weighed({names: size - prior * len(names) for names, size in sizes.items()})
-        likely = no_likelier(likely, chosen, len(TERMS))
-        if not chosen:
-            return likely
+        steps = [Chosen(step.term.name, step.gain, step.rivals) for step in self.steps]
+        whole = _evidence(self.base, self.best) if steps else 0.0
+        found = of_steps(steps, whole, {(name,): gain for name, gain in self.tried.items()}, len(TERMS))
+        if not steps:
+            return found
         words = self.best.memory.independent
-        return beside_other_forms(likely, words * (self.base.squares / self.best.squares - 1.0))
+        return beside_other_forms(found, words * (self.base.squares / self.best.squares - 1.0))
 
 
 def search(

@@ -70,6 +70,8 @@ ERRORS = {
 }
 """Of an error of the model or of the torque's record: what it can never be told from, and both as one pair."""
 
+Key = tuple[str, int | None]
+"""Name of a candidate, and the joint that it is of; None for the whole arm."""
 Columns = dict[int, FloatArray]
 """By joint, (m, c) torque for one unit of each of c numbers; joints that it does not touch are left out."""
 
@@ -107,7 +109,7 @@ class Candidate:
     forms: "tuple[Candidate, ...]" = ()
 
     @property
-    def key(self) -> tuple[str, int | None]:
+    def key(self) -> Key:
         """What tells it from the others."""
         return self.name, self.joint
 

@@ -15,7 +15,7 @@ from scipy.special import gammaincc, gammaln, ndtri_exp
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.fit.series import memory
-from harness.robot.whole_arm.columns import Candidate
+from harness.robot.whole_arm.columns import Candidate, Key
 from harness.robot.whole_arm.rules import RIVAL
 
 _ORDER = 8
@@ -254,15 +254,15 @@ def _blocks(candidate: Candidate, parts: Parts) -> Iterator[tuple[int, dict[int,
 class Named:
     """A candidate at one of its settings, in a model or beside it.
 
-    gain : of a fit that has it. evidence : the same on the scale of one column. rivals : names that would have done
-    nearly as well when it was chosen.
+    gain : of a fit that has it. evidence : the same on the scale of one column. rivals : others that would have done
+    nearly as well when it was chosen, with by how much they are worse.
     """
 
     whitened: Whitened
     setting: int = 0
     gain: float = 0.0
     evidence: float = 0.0
-    rivals: tuple[str, ...] = ()
+    rivals: Mapping[Key, float] = field(default_factory=dict)
 
     @property
     def candidate(self) -> Candidate:

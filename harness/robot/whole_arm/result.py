@@ -5,7 +5,8 @@ beside what is expected to be wrong with a model (masses, a load, tilt, rotors, 
 for the noise that the recorded torque has, over the size of the joint's torque.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import Literal
 
@@ -13,6 +14,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.quantity import Quantity
+from harness.diagnosis.grading.likely import Likely
 from harness.diagnosis.rules import Rule
 from harness.robot.friction_curve import FrictionCurve
 from harness.robot.whole_arm.columns import ARMATURE, DELAY, INERTIA, MOTOR, PAYLOAD, SENSOR, TILT, ZERO
@@ -117,6 +119,11 @@ def _variance(base: FloatArray, i: int, beside: dict[str, FloatArray]) -> float:
     return float(np.linalg.inv(columns.T @ columns + np.diag(prior))[i, i] / scale[i] ** 2)
 
 
+def with_joint(name: str, joint: str | None) -> str:
+    """A name with the joint that it is of; what is of the whole arm stands alone."""
+    return name if joint is None else f"{joint}: {name}"
+
+
 class Grade(Enum):
     """How much an entry explains, and whether others do as well."""
 
@@ -132,8 +139,9 @@ class Entry:
 
     name : of the catalogue. joint : the one it is of, None for the whole arm. statement : one sentence. parameters : by
     name. share : of what the base leaves beyond the noise. evidence : (estimate over standard error) squared, of one
-    number. rivals : what would do nearly as well. partner : what an error can never be told from; the entry stands for
-    both. pair : what no log of this kind can part, as both are called; empty where it can.
+    number. bic : the same less the logarithm of the samples that show it. worse : what would do nearly as well, named
+    with its joint, and by how much worse. partner : what an error can never be told from; the entry stands for both.
+    pair : what no log of this kind can part, as both are called; empty where it can.
     """
 
     name: str
@@ -143,9 +151,20 @@ class Entry:
     grade: Grade
     share: float
     evidence: float
-    rivals: tuple[str, ...] = ()
+    bic: float
+    worse: Mapping[str, float] = field(default_factory=dict)
     partner: str = ""
     pair: str = ""
+
+    @property
+    def label(self) -> str:
+        """Its name with the joint that it is of."""
+        return with_joint(self.name, self.joint)
+
+    @property
+    def rivals(self) -> tuple[str, ...]:
+        """What would do nearly as well, with its joint where that is another."""
+        return tuple(one.removeprefix(with_joint("", self.joint)) for one in self.worse)
 
     @property
     def members(self) -> tuple[str, ...]:
@@ -208,7 +227,8 @@ class WholeArm:
     confounded : pairs that this log, or any, cannot part. left_out : evidence of the best candidate that is not named.
     lowpass : Hz, of the filter everything went through.
     rate : samples a second that torque was fitted at. seconds : of the log. rules : those that decided. notes : what
-    was done to the log. identifiable : what the motion can tell of each joint, by its columns alone.
+    was done to the log. identifiable : what the motion can tell of each joint, by its columns alone. likely : which
+    names are missing, each with the joint that it is of.
     """
 
     joints: tuple[JointFriction, ...]
@@ -221,6 +241,7 @@ class WholeArm:
     rules: tuple[Rule, ...]
     notes: tuple[str, ...]
     identifiable: tuple[Identifiable, ...] = ()
+    likely: Likely = field(default_factory=dict)
 
     def joint(self, name: str) -> JointFriction:
         """The joint of this name; KeyError where there is none."""
@@ -229,5 +250,9 @@ class WholeArm:
     @property
     def named(self) -> tuple[tuple[str, str | None], ...]:
         """Everything named, with its joint."""
-        every = (*(effect for joint in self.joints for effect in joint.effects), *self.model)
-        return tuple((one.name, one.joint) for one in every)
+        return tuple((one.name, one.joint) for one in self.entries)
+
+    @property
+    def entries(self) -> tuple[Entry, ...]:
+        """Everything named."""
+        return (*(effect for joint in self.joints for effect in joint.effects), *self.model)

@@ -4,8 +4,8 @@ Every joint's guarded samples, its base and everything that may be missing are m
 is begun anew with each error of the model corrected whose effect is not linear in its size.
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from harness.robot.whole_arm.columns import (
     WITHIN_A_SAMPLE,
     ZERO,
     Candidate,
+    Key,
     falling,
     friction_candidates,
     model_candidates,
@@ -230,12 +231,13 @@ _ROUNDS = 8
 class Model:
     """design : solved with what was chosen, in its order, the noise learnt from what it leaves.
 
-    left_out : evidence of the best candidate that was not chosen. again : the last one chosen has to be corrected, and
-    the search begun anew.
+    left_out : evidence of the best candidate that was not chosen. alone : of every candidate that was not refused,
+    beside nothing but what was corrected. again : the last one chosen has to be corrected, and the search begun anew.
     """
 
     design: Design
-    left_out: float
+    left_out: float = 0.0
+    alone: Mapping[Key, float] = field(default_factory=dict)
     again: bool = False
 
     def of_joint(self, joint: int) -> tuple[Named, ...]:
@@ -259,7 +261,7 @@ def _search(problem: Problem, candidates: Sequence[Candidate], forced: Sequence[
     if not any(one.candidate.key == _SHARED_DELAY for one in chosen):
         chosen.insert(0, Named(Whitened.of(_within_a_sample(problem), parts)))
     always, design = len(chosen), Design(parts, chosen)
-    refused: set[tuple[str, int | None]] = set()
+    refused: set[Key] = set()
     best: Named | None = None
     while True:
         taken = {one.candidate.key for one in chosen} | refused
@@ -280,8 +282,9 @@ def _search(problem: Problem, candidates: Sequence[Candidate], forced: Sequence[
         chosen = [*named[:-1], replace(named[-1], rivals=_rivals(best, scores, design))]
         design.named = tuple(chosen)
         if chosen[-1].candidate.name in CORRECTED:
-            return Model(design, 0.0, again=True)
-    return _pruned(parts, chosen, always, best)
+            return Model(design, again=True)
+    model = _pruned(parts, chosen, always, best)
+    return replace(model, alone=_alone(model, always, [one for one in candidates if one.key not in refused]))
 
 
 _SHARED_DELAY = DELAY, None
@@ -378,14 +381,23 @@ def _moved(parts: Parts, one: Named, numbers: FloatArray) -> Named:
     return replace(one, whitened=Whitened.of(around, parts), setting=0)
 
 
-def _rivals(best: Named, scores: Sequence[Named], after: Design) -> tuple[str, ...]:
-    """Others that were nearly as sure and are not any more once the best is in."""
+def _rivals(best: Named, scores: Sequence[Named], after: Design) -> dict[Key, float]:
+    """Others that were nearly as sure and are not any more once the best is in, with by how much less."""
     near = [s for s in scores if s is not best and s.evidence > best.evidence - RIVAL.value]
     one = best.candidate
     near = [s for s in near if s.candidate.joint in (one.joint, None) or one.joint is None]
-    near = [s for s in near if s.candidate.name != one.name]
+    # all motors are no rival of one
+    near = [s for s in near if s.candidate.name != one.name or s.candidate.joint is not None]
     found = [s for s in near if _without_its_part(after, s.candidate).score(s.whitened).evidence < NAMED.value]
-    return tuple(dict.fromkeys(s.candidate.name for s in sorted(found, key=lambda s: -s.evidence)))
+    return {s.candidate.key: best.evidence - s.evidence for s in sorted(found, key=lambda s: -s.evidence)}
+
+
+def _alone(model: Model, forced: int, candidates: Sequence[Candidate]) -> dict[Key, float]:
+    """Evidence of each candidate beside what is ``forced`` alone, held against the noise that the model leaves."""
+    parts = model.design.parts
+    plain = Design(parts, model.design.named[:forced])
+    asked = [one for one in candidates if one.key not in {named.candidate.key for named in plain.named}]
+    return {one.key: _without_its_part(plain, one).score(Whitened.of(one, parts)).evidence for one in asked}
 
 
 def _pruned(parts: Parts, chosen: Sequence[Named], forced: int, left_out: Named | None) -> Model:
@@ -407,7 +419,7 @@ def _pruned(parts: Parts, chosen: Sequence[Named], forced: int, left_out: Named 
         del kept[forced + int(np.argmin(sure[forced:]))]
         kept, design = settled(parts, kept)
     if left_out is None or left_out.candidate.key in {one.candidate.key for one in kept}:
-        return Model(design, 0.0)
+        return Model(design)
     beside = _without_its_part(design, left_out.candidate)
     return Model(design, beside.score(Whitened.of(left_out.candidate, parts)).evidence)
 

@@ -32,6 +32,8 @@ from harness.robot.whole_arm.rules import (
 from harness.robot.whole_arm.search import Solved, polished
 
 PRESLIDING, STATIC, BACKLASH = presliding.TERM.name, static_friction.TERM.name, backlash.TERM.name
+AT_REVERSALS = PRESLIDING, STATIC, BACKLASH, DELAY
+"""What may be named there."""
 _LENGTHS = 12
 """Lengths, and speeds, that are tried."""
 
@@ -101,7 +103,8 @@ def _turned(solved: Solved, joint: int, without: str = "") -> Turned | None:
         return None
     best, _, error = found[0]
     best = replace(
-        best, rivals=tuple(one.candidate.name for one, *_ in found[1:] if one.gain > best.gain - RIVAL.value)
+        best,
+        rivals={one.candidate.key: best.gain - one.gain for one, *_ in found[1:] if one.gain > best.gain - RIVAL.value},
     )
     if best.candidate.name == DELAY:
         held, base = local, plain

@@ -11,6 +11,7 @@ from harness.core.checks import not_negative
 from harness.core.errors import InputError
 from harness.core.quantity import Quantity
 from harness.core.robot import JointLog
+from harness.diagnosis.grading.likely import Chosen, Likely, beside_other_forms, of_steps
 from harness.robot.arm import Arm
 from harness.robot.friction_curve import FrictionCurve
 from harness.robot.whole_arm.columns import (
@@ -34,11 +35,12 @@ from harness.robot.whole_arm.columns import (
     TILT,
     WITHIN_A_SAMPLE,
     ZERO,
+    Key,
 )
 from harness.robot.whole_arm.curve import curves
 from harness.robot.whole_arm.design import Design, Named, Whitened
 from harness.robot.whole_arm.perturb import called, with_load, without_armature
-from harness.robot.whole_arm.result import Entry, Grade, JointFriction, Left, WholeArm, identifiable
+from harness.robot.whole_arm.result import Entry, Grade, JointFriction, Left, WholeArm, identifiable, with_joint
 from harness.robot.whole_arm.rules import (
     EXPLAINED,
     LEAST_SAMPLES,
@@ -52,8 +54,8 @@ from harness.robot.whole_arm.rules import (
     UNSMOOTHED,
     WITHIN,
 )
-from harness.robot.whole_arm.search import Known, Problem, Solved, rms, solve
-from harness.robot.whole_arm.turning import BACKLASH, PRESLIDING, STATIC, at_reversals
+from harness.robot.whole_arm.search import CORRECTED, Known, Problem, Solved, rms, solve
+from harness.robot.whole_arm.turning import AT_REVERSALS, BACKLASH, PRESLIDING, STATIC, at_reversals
 
 LINK, MOTOR_SIDE = "link", "motor"
 _STILL = "the joint does not move to and fro enough"
@@ -169,6 +171,7 @@ class _Told:
                 notes.append(f"{error.name} is allowed for: none of its numbers is beyond two standard errors.")
                 continue
             errors.append(error)
+        entries = [*(effect for one in found.values() for effect in one.effects), *errors]
         return WholeArm(
             tuple(found[name] for name in self.arm.joints if name in found),
             tuple(errors),
@@ -180,7 +183,44 @@ class _Told:
             RULES,
             tuple(notes),
             identifiable(solved.first, solved.still),
+            self._likely(entries),
         )
+
+    def _likely(self, entries: Sequence[Entry]) -> Likely:
+        """Which names are missing; where any are told, another effect may look like them."""
+        solved, by_label = self.solved, self._one_by_one()
+        gains = [by_label.get(one.label, one.evidence) for one in entries]
+        sizes = [one.bic + gain - one.evidence for one, gain in zip(entries, gains, strict=True)]
+        first = {one.label: size for one, size in zip(entries, sizes, strict=True) if one.name in CORRECTED}
+        others = {
+            (*first, self._label(key)): sum(first.values()) + gain - self._unit_information(key[1])
+            for key, gain in solved.model.alone.items()
+        }
+        names = len(solved.first.candidates) + len(self.filtered.joints) * len(AT_REVERSALS)
+        likely = of_steps([Chosen(one.label, one.bic, one.worse) for one in entries], sum(sizes), others, names)
+        return beside_other_forms(likely, sum(gains)) if entries else likely
+
+    def _one_by_one(self) -> dict[str, float]:
+        """Evidence of each that was named beside those before it, which add up to that of all; what was corrected was
+        found first.
+        """
+        named, parts = self.design.named, self.design.parts
+        return {
+            self._label(one.candidate.key): one.evidence
+            if one.candidate.name in CORRECTED or i == len(named) - 1
+            else Design(parts, named[:i]).score(one.whitened).evidence
+            for i, one in enumerate(named)
+            if one.candidate.name != WITHIN_A_SAMPLE
+        }
+
+    def _label(self, key: Key) -> str:
+        """A candidate's name with the joint that it is of."""
+        return with_joint(key[0], None if key[1] is None else self.filtered.joints[key[1]])
+
+    def _unit_information(self, joint: int | None) -> float:
+        """Logarithm of the guarded samples of a joint, or of all, which a number has to be worth (Schwarz 1978)."""
+        every = [part.stretches.kept for j, part in self.design.parts.items() if joint in (j, None)]
+        return math.log(sum(int(np.sum(kept)) for kept in every))
 
     @property
     def _rate(self) -> float:
@@ -292,7 +332,7 @@ class _Told:
             share = self._share(Design(design.parts, shared), Design(design.parts, [*shared, one]), (j,))
             place = design.place(one)
             numbers = design.numbers[place]
-            either = {one.candidate.name, *one.rivals} >= {LOAD, POSITION}
+            either = {one.candidate.name, *(rival for rival, _ in one.rivals)} >= {LOAD, POSITION}
             if one.candidate.name == LOAD and load_is_position(self.solved.problem, j, float(numbers[0])):
                 either = True
             errors = self._errors(place)
@@ -354,16 +394,19 @@ class _Told:
         if name in ERRORS:
             said += f" ({joint})" if joint else ""
             said += f", or it is the {partner}: no log of this kind can tell." if partner else "."
-        if one.rivals:
-            said += f" {' or '.join(one.rivals)} would explain it nearly as well."
+        taken = {other.candidate.key for other in self.design.named}
+        worse = {self._label(key): by for key, by in one.rivals.items() if key not in taken}
+        entry = Entry(
+            name, joint, said, tuple(found.items()), Grade.MINOR, share, one.evidence,
+            one.evidence - self._unit_information(candidate.joint), worse, partner, pair,
+        )  # fmt: skip
+        if worse:
+            said += f" {' or '.join(entry.rivals)} would explain it nearly as well."
         if pair and name not in ERRORS:
             said += f" It may be either of the pair: {pair}; this log cannot tell which."
         explains = remainder is not None and remainder < EXPLAINED.value
         grade = Grade.EXPLAINS if explains else Grade.MAIN if share > MAIN.value else Grade.MINOR
-        return Entry(
-            name, joint, said, tuple(found.items()), Grade.ONE_OF if one.rivals else grade, share, one.evidence,
-            one.rivals, partner, pair,
-        )  # fmt: skip
+        return replace(entry, statement=said, grade=Grade.ONE_OF if worse else grade)
 
 
 def confounded(problem: Problem, known: Known) -> tuple[tuple[str, str], ...]:

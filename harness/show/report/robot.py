@@ -323,6 +323,7 @@ def _found(found: Sequence[EntryResult]) -> b.Section:
         b.Column("of", lambda one: one.joint or "the arm"),
         b.Column("or", lambda one: ", ".join(filter(None, (one.partner, *one.rivals))) or "-"),
         b.Column("grade", lambda one: one.grade),
+        b.Column("probability", lambda one: number(one.probability, 2)),
         b.Column("explains", lambda one: f"{100.0 * one.share:.0f}", "%"),
         b.Column("evidence", lambda one: number(one.evidence, 3)),
     ]
