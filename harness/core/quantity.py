@@ -90,3 +90,10 @@ _ABOUT_AN_AXIS = {
 def about_an_axis(unit: str) -> str:
     """The unit of a turning slider's parameter that is ``unit`` for one that slides; others stay as they are."""
     return _ABOUT_AN_AXIS.get(unit, unit)
+
+
+def parameter_unit(unit: str, angular: bool, mass_known: bool) -> str:
+    """A parameter's unit: about an axis where it turns, a force's or a mass's per unit mass where that is unknown."""
+    with_mass = unit.split("/", maxsplit=1)[0].split(" ", maxsplit=1)[0] in ("N", "kg")
+    own, mass = (about_an_axis(unit), "kg m^2") if angular else (unit, "kg")
+    return f"{own} per {mass}" if with_mass and not mass_known else own

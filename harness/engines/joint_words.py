@@ -4,6 +4,7 @@ Measured in MuJoCo 4.0: stiffness "a b c" is a x + b x^2 + c x^3, damping "a b c
 tendon with springlength "low high" pulls back beyond either of the two.
 """
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Final, TypeAlias
@@ -18,6 +19,8 @@ from harness.model.term import Element, Polynomial, Zone
 
 FAR: Final = 1e6
 """m; a spring length that is never reached."""
+_SAME = 1e-12
+"""Share by which the two ends of a dead zone may differ and be one number, written with every digit."""
 
 Kinds: TypeAlias = frozenset[type[Element]]
 JOINT: Final[Kinds] = frozenset({Polynomial, Zone})
@@ -70,6 +73,26 @@ def term_of(element: Element, value: float) -> ModelTerm:
     """The catalogue's term of one parameter that is made of ``element`` where the parameter is 1; value : of it, SI."""
     found = next(t for t in TERMS if len(t.names) == 1 and t.elements and t.elements((1.0,), 1.0) == (element,))
     return ModelTerm(found, (value,))
+
+
+def dead_zone(k: float, gap: float) -> ModelTerm:
+    """The catalogue's term of a spring (N/m) that pulls beyond ``gap`` (m) of its middle alone."""
+    return _made_of((gap,), k, (Polynomial(stiffness=(-k, 0.0, 0.0)), Zone(k, -gap, gap)))
+
+
+def stops(zone: Zone) -> list[ModelTerm]:
+    """The catalogue's terms of a spring beside another, with a dead zone about zero: of both sides, or of each."""
+    k, low, high = zone.stiffness, max(zone.low, -FAR), min(zone.high, FAR)
+    if math.isclose(-low, high, rel_tol=_SAME):
+        return [_made_of((high, k), k, (Zone(k, -high, high),))]
+    sides = [Zone(k, high=high)] if high < FAR else []
+    sides += [Zone(k, low=low)] if low > -FAR else []
+    return [_made_of((one.high if math.isfinite(one.high) else -one.low, k), k, (one,)) for one in sides]
+
+
+def _made_of(values: tuple[float, ...], k: float, said: tuple[Element, ...]) -> ModelTerm:
+    known = (one for one in TERMS if one.searched and one.elements is not None and len(one.names) == len(values))
+    return ModelTerm(next(one for one in known if one.elements and one.elements(values, k) == said), values)
 
 
 GRAVITY = 9.81

@@ -15,6 +15,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError, did_you_mean
+from harness.model.term import Zone
 from harness.robot.apart import compiled
 
 _BODY, _SITE = mujoco.mjtObj.mjOBJ_BODY.value, mujoco.mjtObj.mjOBJ_SITE.value
@@ -171,7 +172,8 @@ class Arm:
     file has them, N m or N and N m s/rad or N s/m. coupled : by joint, why it does not move alone (a loop, a tendon, a
     curve); the others' torque is right all the same. ties : joints that move together by a ratio. notes :
     what was taken out, held or repaired, one sentence each. drag (nv, 2) : the file's further coefficients of damping,
-    of v |v| and of v^3.
+    of v |v| and of v^3. zones : springs with a dead zone, which act on one joint each through a tendon, by the joint's
+    number, in its own position; taken out where the caller reads them.
     """
 
     file: str
@@ -184,6 +186,7 @@ class Arm:
     ties: tuple[Tie, ...] = ()
     notes: tuple[str, ...] = ()
     drag: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
+    zones: tuple[tuple[int, Zone], ...] = ()
 
     def inverse(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
         """Torque (n, nv) that the rigid model needs: inertia with armature, Coriolis, gravity, springs of joints.
@@ -249,10 +252,32 @@ def load_arm(
         if model.actuator_trntype[i] == mujoco.mjtTrn.mjTRN_JOINT.value:
             # a rotor turns faster by the gear's ratio, and its inertia counts with the square
             rotors[model.actuator_trnid[i, 0]] += model.actuator_armature[i] * model.actuator_gear[i, 0] ** 2
+    zones = _zones(model) if polynomials else ()
     found = coupled(model)
     alone = MappingProxyType({joints[j]: said for j, said in found.alone.items()})
     said = (*notes, *found.notes, *_strip(model, gravity))
-    return Arm(file, model, tuple(joints), rotors, friction, damping, alone, found.ties, said, drag)
+    return Arm(file, model, tuple(joints), rotors, friction, damping, alone, found.ties, said, drag, zones)
+
+
+def _zones(model: Any) -> tuple[tuple[int, Zone], ...]:
+    """Springs with a dead zone of tendons over one joint each, by that joint; they are taken out of the model."""
+    others = (model.tendon_damping, model.tendon_frictionloss, model.tendon_armature, model.tendon_limited)
+    bent = (model.tendon_stiffnesspoly, model.tendon_dampingpoly)
+    found = []
+    for i in range(model.ntendon):
+        wraps = _wraps(model, i)
+        low, high = map(float, model.tendon_lengthspring[i])
+        alone = len(wraps) == 1 and int(model.wrap_type[wraps[0]]) == _JOINT
+        plain = not any(one[i] for one in others) and not any(np.any(one[i]) for one in bent)
+        if not (alone and plain and low < high and model.tendon_stiffness[i] > 0.0):
+            continue
+        per = float(model.wrap_prm[wraps[0]])  # length over position
+        if per == 0.0:
+            continue
+        ends = sorted((low / per, high / per))
+        found.append((int(model.wrap_objid[wraps[0]]), Zone(float(model.tendon_stiffness[i]) * per**2, *ends)))
+        model.tendon_stiffness[i] = 0.0
+    return tuple(found)
 
 
 def _strip(model: Any, gravity: tuple[float, float, float] | None) -> list[str]:

@@ -1,7 +1,8 @@
 """A user's own model of one joint, MJCF or URDF: as a slider, and as its own engine simulates it."""
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -10,12 +11,13 @@ from numpy.polynomial import Polynomial
 
 from harness.core.errors import InputError
 from harness.engines.base import Settings
-from harness.engines.joint_words import term_of
+from harness.engines.joint_words import FAR, dead_zone, stops, term_of
 from harness.engines.mujoco.presets import INTEGRATORS, SOLVERS, STIFF
 from harness.engines.registry import load
 from harness.engines.simulator import EngineSimulator
 from harness.model import term as elements
-from harness.model.model import Model, Restoring
+from harness.model.model import Model, ModelTerm, Restoring
+from harness.model.term import Zone
 from harness.robot.arm import Arm, load_arm
 from harness.robot.reduction import Reduced, reduced
 
@@ -70,7 +72,9 @@ def loosened(settings: Mapping[str, Any], by: float) -> dict[str, Any]:
 class OwnModel:
     """slider : what the joint is, let go nowhere; its friction, damping and spring are the file's. engine : MuJoCo for
     an MJCF, PyBullet for a URDF. settings : of the engine, as the file has them. dt : its step, s. rest : position in
-    the file from which the slider's x is measured, where nothing pulls it, m or rad.
+    the file from which the slider's x is measured, where nothing pulls it, m or rad. limits : of the joint's range, of
+    x, m or rad; the slider has no such stops. turns : a hinge. slack : how far from rest no spring
+    pulls, m or rad.
     """
 
     file: str
@@ -79,6 +83,9 @@ class OwnModel:
     dt: float
     settings: Settings = field(default_factory=dict)
     rest: float = 0.0
+    limits: tuple[float, float] = (-math.inf, math.inf)
+    turns: bool = False
+    slack: float = 0.0
 
     @property
     def simulator(self) -> EngineSimulator:
@@ -105,23 +112,42 @@ def own_model(path: Path) -> OwnModel:
     spring = _spring(arm, own)
     if hangs and spring.degree() > 0:
         raise InputError(where, "a spring beside gravity", "a joint with one of the two")
+    zones, slack = [zone for _, zone in arm.zones], 0.0
     held = Restoring.PENDULUM if hangs else Restoring.SPRING if spring.degree() > 0 else Restoring.NONE
     terms = [term_of(_DRAG, drag)] if drag else []
     k, rest = own.gravity if hangs else 0.0, own.q_eq if hangs else 0.0
-    if held is Restoring.SPRING:
-        slack = _slack(where, spring)
-        rest, about = own.q_ref + slack, spring(Polynomial([slack, 1.0]))
+    play = next((one for one in zones if one.low > -FAR and one.high < FAR), None)
+    if held is Restoring.NONE and play is not None and not own.constant:
+        # the only spring has a dead zone: it is slack in the middle of that
+        zones.remove(play)
+        held, k, rest = Restoring.SPRING, play.stiffness, (play.low + play.high) / 2.0
+        slack = (play.high - play.low) / 2.0
+        terms.append(dead_zone(k, slack))
+        spring = Polynomial([0.0])
+    if spring.degree() > 0 and not hangs:
+        middle = _slack(where, spring)
+        rest, about = own.q_ref + middle, spring(Polynomial([middle, 1.0]))
         k, *bends = map(float, about.coef[1:])
         terms += [term_of(element, value) for element, value in zip(_BENDS, bends, strict=False) if value]
     elif own.slides and own.constant:
         terms.append(term_of(elements.Push(1.0), -own.constant))
+    terms += [stop for zone in zones for stop in _stops(where, zone, rest)]
     slider = Model(own.moved, float(arm.damping[0]), k, float(arm.frictionloss[0]), restoring=held, terms=tuple(terms))
+    ends = arm.model.jnt_range[0] - rest if arm.model.jnt_limited[0] else (-math.inf, math.inf)
+    limits, turns = (float(ends[0]), float(ends[1])), not own.slides
     if path.suffix.lower() == ".urdf":
         engine = load("pybullet")
         step = float(engine.presets("joint", "as-shipped")["dt"])
-        return OwnModel(str(path), slider, engine.name, step, rest=rest)
+        return OwnModel(str(path), slider, engine.name, step, rest=rest, limits=limits, turns=turns, slack=slack)
     settings = loosened(words(arm, joint), looseness(arm, joint, own.moved))
-    return OwnModel(str(path), slider, "mujoco", float(arm.model.opt.timestep), settings, rest)
+    return OwnModel(str(path), slider, "mujoco", float(arm.model.opt.timestep), settings, rest, limits, turns, slack)
+
+
+def _stops(where: str, zone: Zone, rest: float) -> list[ModelTerm]:
+    """A spring with a dead zone as terms of x, from rest. Raises InputError for one that pulls there."""
+    if not zone.low < rest < zone.high:
+        raise InputError(where, "a tendon's spring that pulls where the joint rests", "springlength with that between")
+    return stops(replace(zone, low=zone.low - rest, high=zone.high - rest))
 
 
 def _spring(arm: Arm, own: Reduced) -> Polynomial:

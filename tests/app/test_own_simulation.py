@@ -1,6 +1,7 @@
 """A user's own simulation in MuJoCo beside a recording: what its engine does is told from what its parameters do."""
 
 import math
+import shlex
 from pathlib import Path
 
 import mujoco
@@ -10,6 +11,7 @@ import pytest
 import harness
 from harness.app.run.case import case_of
 from harness.app.run.run import RunOptions
+from harness.cli.main import run
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
@@ -163,8 +165,12 @@ def test_the_exact_motion_of_a_model_of_mujocos_own_is_what_its_small_steps_tend
         ModelTerm.named("quadratic-stiffness", k2=20.0),
         ModelTerm.named("cubic-stiffness", k3=80.0),
         ModelTerm.named("constant-force", force=3.0),
+        ModelTerm.named("end-stop", gap=0.2, k_stop=900.0),
+        ModelTerm.named("end-stop:positive", gap=0.2, k_stop=900.0),
+        ModelTerm.named("end-stop:negative", gap=0.1, k_stop=900.0),
+        ModelTerm.named("backlash", gap=0.05),
     ],
-    ids=lambda one: one.term.name,
+    ids=lambda one: one.term.key,
 )
 def test_an_exported_model_runs_as_the_model_itself(tmp_path: Path, term: ModelTerm) -> None:
     model = Model(1.0, 0.3, 40.0, 1.0, x0=0.3, terms=(term,))
@@ -176,6 +182,42 @@ def test_an_exported_model_runs_as_the_model_itself(tmp_path: Path, term: ModelT
     again = case_of(RunOptions.asked(None, tmp_path / "slider.xml", None, given).scenario).exact(t).x
     assert rest == pytest.approx(3.0 / 40.0 if term.term.name == "constant-force" else 0.0)
     assert again + rest == pytest.approx(itself, abs=1e-9)
+
+
+@pytest.mark.parametrize("suffix", ["xml", "urdf"])
+def test_a_model_that_does_not_say_where_it_begins_is_run_by_the_proposed_line(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], suffix: str
+) -> None:
+    export(Model(1.0, 0.3, 40.0, 1.0, x0=0.3, terms=(ModelTerm.named("backlash", gap=0.4),)), tmp_path)
+    line = ["run", "--model", str(tmp_path / f"slider.{suffix}"), "--engine", "mujoco", "--preset", "tuned", "--quiet"]
+    line += ["--out", str(tmp_path / "out")]
+    assert run(line) == 2
+    assert run(shlex.split(capfd.readouterr().err.partition("Try: harness ")[2])) == 0
+
+
+@pytest.mark.parametrize(
+    "term",
+    [ModelTerm.named("end-stop:positive", gap=0.2, k_stop=900.0), ModelTerm.named("backlash", gap=0.05)],
+    ids=lambda one: one.term.key,
+)
+@pytest.mark.usefixtures("pybullet")
+def test_an_export_moves_in_both_engines_as_the_reference(tmp_path: Path, term: ModelTerm) -> None:
+    """Tuned, within 2 mm of a motion of 300 mm over a second and a half; what acts is said with its units."""
+    export(Model(1.0, 0.3, 40.0, 1.0, x0=0.3, terms=(term,)), tmp_path)
+    file = tmp_path / "slider.xml"
+    result = harness.run(model=file, x0=0.3, preset="tuned", duration=1.5, out=tmp_path / "out")
+    errors = {trace.source: trace.metrics.max_error_m for trace in result.traces if trace.source != "reference"}
+    assert set(errors) == {"mujoco", "pybullet"}
+    assert all(error is not None and error < 2e-3 for error in errors.values())
+    assert any(f"{term.values[0]:g} m" in one for one in result.conclusions)
+
+
+@pytest.mark.parametrize(("x0", "said"), [(0.15, False), (0.5, True)])
+def test_a_motion_past_the_end_of_a_joints_range_is_said(tmp_path: Path, x0: float, said: bool) -> None:
+    text = ONE.format(type="slide", axis="1 0 0", words='stiffness="40" limited="true" range="-.2 .2"', pos="0 0 0")
+    options = RunOptions.asked(None, written(tmp_path, text), None, {"x0": x0, "duration": 1.0})
+    found = case_of(options.scenario).conclusions([])
+    assert any("-0.2 to 0.2 m" in one and "are not simulated" in one for one in found) == said
 
 
 TWO = XML.format(c=C, k=K, f=F, integrator="Euler").replace("</body>", '<body><joint/><geom size="1"/></body></body>')

@@ -18,7 +18,7 @@ from harness.core.arrays import FloatArray
 from harness.core.checks import positive
 from harness.core.errors import InputError
 from harness.core.events import EventKind, Mode
-from harness.core.quantity import Quantity
+from harness.core.quantity import Quantity, parameter_unit
 from harness.core.recording import Recording
 from harness.core.scenario import Scenario
 from harness.core.trajectory import Trajectory
@@ -193,9 +193,14 @@ class ModelScenario:
         return said
 
     def conclusions(self, traces: Sequence[TraceResult]) -> list[str]:
-        said = []
+        said, own = list[str](), self.own
+        turns = self.model.restoring is Restoring.PENDULUM or (own is not None and own.turns)
         for entry in self.model.terms:
-            values = (f"{value:.6g}" for value in entry.values)
+            units = (parameter_unit(one.unit, turns, self.model.mass_known) for one in entry.term.parameters)
+            values = (
+                f"{value:.6g}{'' if unit == '1' else f' {unit}'}"
+                for value, unit in zip(entry.values, units, strict=True)
+            )
             said.append(f"{entry.term.name}: {entry.term.say(dict(zip(entry.term.names, values, strict=True)))}")
         if any(entry.term.known is not None for entry in self.model.terms):
             motion = self.exact(np.linspace(0.0, self.duration, _LOOKS))
@@ -207,20 +212,32 @@ class ModelScenario:
             )
         if self.model.terms:
             said.append("The estimators know viscous and dry friction alone; what else acts shows in their figures.")
-        if (own := self.own) is not None:
+        if own is not None:
             said.append(f"{own.engine} as-shipped has the options of {own.file}, with a step of {1e3 * own.dt:.4g} ms.")
             if own.rest:
                 said.append(f"x is measured from where the joint rests, which is at {own.rest:.6g} in that file.")
+            said += self._beyond_limits(own)
             if own.engine == "mujoco" and self.model.f_k > 0.0:
                 words = " ".join(f'{name}="{value}"' for name, value in stiff_friction(own.dt).items())
                 said.append(f"For friction as stiff as that step allows, paste into its joint: <joint {words}/>.")
-        turns = self.model.restoring is Restoring.PENDULUM
         for trace in traces:
             if trace.error is not None:
                 said.append(f"{trace.source} {trace.preset} could not be run: {trace.error}")
             elif trace.source != "reference" and (text := position_error(trace, turns)) is not None:
                 said.append(f"{trace.source} {trace.preset}: {text}")
         return said
+
+    def _beyond_limits(self, own: OwnModel) -> list[str]:
+        """That the motion passes the end of the joint's range, whose stop is in none of the runs."""
+        x = self.exact(np.linspace(0.0, self.duration, _LOOKS)).x
+        low, high = own.limits
+        if low <= float(np.min(x)) and float(np.max(x)) <= high:
+            return []
+        unit = "rad" if own.turns else "m"
+        return [
+            f"The joint's range in that file is {low:.4g} to {high:.4g} {unit}, and the motion goes from"
+            f" {np.min(x):.4g} to {np.max(x):.4g} {unit}: the stops at its ends are not simulated here."
+        ]
 
     def export(self, folder: Path) -> None:
         """See SuiteCase.export; with model.json and a list of what the formats cannot say."""

@@ -22,11 +22,12 @@ from harness.core.scenario import FREE_DECAY, Scenario
 from harness.core.trajectory import Source, Trajectory
 from harness.engines import registry
 from harness.engines.base import PRESETS, TUNED_DT, Preset, choice
+from harness.exact.decay import rounded_up
 from harness.fidelity import kind as suite
 from harness.model.model import Model, Restoring
 from harness.results.common import P
 from harness.results.run import Metrics, RunResult, TraceResult
-from harness.robot.own_model import is_own, own_model
+from harness.robot.own_model import OwnModel, is_own, own_model
 from harness.show.numbers import heading, units_of
 from harness.show.report.motion import run_scene
 from harness.show.report.run import headline as said_of
@@ -119,9 +120,24 @@ def _of_model(model: Given, scenario: str | None, given: Mapping[str, float | No
         return ModelScenario.of(model_of(model), given.get("duration"), label)
     x0, v0 = given.get("x0"), given.get("v0")
     if not x0 and not v0:
-        raise InputError(label, "it does not say where its joint is let go", "--x0 or --v0 with it")
+        raise InputError(label, "it does not say where its joint is let go", f"try: {_release(own)}")
     released = replace(own.slider, x0=x0 or 0.0, v0=v0 or 0.0)
     return ModelScenario.of(released, given.get("duration"), label, own)
+
+
+_SWINGS = 10.0
+"""Friction's shift of the resting place, x_k, that a proposed release is away: five half-swings."""
+_FREE = 0.1
+"""The same without friction, m or rad."""
+
+
+def _release(own: OwnModel) -> str:
+    """Options that let a joint go from where it moves on."""
+    slider = own.slider
+    if slider.restoring is Restoring.NONE:
+        return "--v0 1 --duration 3"
+    x0 = rounded_up(own.slack + _SWINGS * slider.f_k / slider.k or _FREE)
+    return f"--x0 {min(x0, 1.0) if slider.restoring is Restoring.PENDULUM else x0:g}"
 
 
 def _held(

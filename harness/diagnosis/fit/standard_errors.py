@@ -16,7 +16,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from harness.core.arrays import FloatArray
-from harness.core.quantity import Quantity, about_an_axis
+from harness.core.quantity import Quantity, about_an_axis, parameter_unit
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.problem import Problem
 from harness.model.covariate import Acts, Covariate
@@ -68,9 +68,7 @@ def inflation(found: Fit) -> float:
 
 def unit_of(unit: str, problem: Problem) -> str:
     """A parameter's unit in this recording: about an axis for an angle, per unit mass where the mass is unknown."""
-    with_mass = unit.split("/", maxsplit=1)[0].split(" ", maxsplit=1)[0] in ("N", "kg")
-    own, mass = (about_an_axis(unit), "kg m^2") if problem.angular else (unit, "kg")
-    return f"{own} per {mass}" if with_mass and not problem.in_newtons else own
+    return parameter_unit(unit, problem.angular, problem.in_newtons)
 
 
 def _quantity(value: float, variances: Sequence[float], unit: str, bound: str | None) -> Quantity:
