@@ -178,10 +178,12 @@ def test_every_scenario_of_the_suite_is_run_with_the_figures_it_is_about(tmp_pat
 
 
 def test_rebuilding_needs_a_trace_of_ours(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="no such file"):
+    with pytest.raises(InputError, match=r"no trace[.]rrd in it"):
         rebuild(tmp_path)
+    with pytest.raises(InputError, match="no such file"):
+        rebuild(tmp_path / "gone.rrd")
     (tmp_path / "x.csv").write_text("t,x")
-    with pytest.raises(InputError, match=r"an output folder or a [.]rrd"):
+    with pytest.raises(InputError, match=r"a [.]csv file[.] Try: harness log"):
         rebuild(tmp_path / "x.csv")
 
 
