@@ -39,6 +39,14 @@ def _of(data: bytes) -> Callable[[Path], object]:
     return lambda path: path.write_bytes(data)
 
 
+def structs() -> pa.Table:
+    """Time beside a struct of a struct and of plain columns."""
+    t, x, a, u = (pa.array(values) for values in COLUMNS.values())
+    names = list(COLUMNS)
+    inner = pa.StructArray.from_arrays([x], [names[1]])
+    return pa.table({names[0]: t, "rig": pa.StructArray.from_arrays([inner, a, u], ["encoder", *names[2:]])})
+
+
 FORMATS: dict[str, tuple[str, Callable[[Path], object]]] = {
     "csv": ("a.csv", _of(rows().encode())),
     "windows": ("a.csv", _of(b"\xef\xbb\xbf" + rows().replace("\n", "\r\n").encode())),
@@ -70,6 +78,20 @@ def test_every_format_gives_the_same_recording_in_si(tmp_path: Path, kind: str) 
     assert dict(recording.units) == {"t": "ms", "x": "mm", "a": "g", "u": "lbf"}
     assert recording.sha256 == sha256(path)
     assert recording.notes == ()
+
+
+def test_fields_of_structs_of_parquet_are_columns(tmp_path: Path) -> None:
+    """By themselves, and by the dotted names that the note says; a struct that is missing is no value."""
+    path = tmp_path / "a.parquet"
+    pq.write_table(structs(), path)
+    found = read_recording(path)
+    check(found)
+    assert any("x from rig.encoder.x [mm]" in note for note in found.notes)
+    given = "t='t [ms]'[ms],x='rig.encoder.x [mm]'[mm],a='rig.a [g]'[g],u='rig.F [lbf]'[lbf]"
+    check(read_recording(path, ReadOptions(columns=given)))
+    holed = [None if i == 7 else {"x": v} for i, v in enumerate(X.tolist())]
+    pq.write_table(pa.table({"t": T, "rig": holed}), path)
+    assert "1 rows without a value, the first of them row 8, are skipped." in read_recording(path).notes
 
 
 MAT_COLUMNS = "t=t[ms],x=x[mm],a=a[g],u=v*gain*2[N]"

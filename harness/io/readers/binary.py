@@ -24,7 +24,8 @@ _A_SECOND = {"s": 1, "ms": 1_000, "us": 1_000_000, "ns": 1_000_000_000}
 
 
 class ParquetTable(Table):
-    """A Parquet file; a column of lists is as many columns as its first list is long, NAME[0] and so on.
+    """A Parquet file; fields of structs have dotted names; a column of lists is as many columns as its first list is
+    long, NAME[0] and so on.
 
     names : of a list's elements, by column. ``keep`` : which rows are read; all where it is None.
     """
@@ -35,32 +36,36 @@ class ParquetTable(Table):
 
         self.keep: BoolArray | None = None
         self._source: list[tuple[str, int]] = []
+        self._leaves: dict[str, tuple[tuple[str, ...], Any]] = {}
         headers: list[str] = []
         try:
             self._file = pq.ParquetFile(path)
-            for column in self._file.schema_arrow:
-                many = self._width(column.name, column.type)
-                given = list((names or {}).get(column.name, ()))
-                if not _is_list(column.type):
-                    given = [column.name]
+            for way, kind in _leaves((), self._file.schema_arrow):
+                name = ".".join(way)
+                self._leaves[name] = way, kind
+                many = self._width(name)
+                given = list((names or {}).get(name, ()))
+                if not _is_list(kind):
+                    given = [name]
                 elif len(given) != many:
-                    given = [f"{column.name}[{k}]" for k in range(many)]
-                self._source += [(column.name, k) for k in range(many)]
+                    given = [f"{name}[{k}]" for k in range(many)]
+                self._source += [(name, k) for k in range(many)]
                 headers += given
         except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
             raise InputError(str(path), f"not a Parquet file ({error})", _READABLE) from None
         super().__init__(path, *split_headers(headers), headers)
 
-    def _width(self, name: str, kind: Any) -> int:
+    def _width(self, name: str) -> int:
         """How many numbers the lists of a column hold, by the first of them: 0 for a picture; 1 where it has none."""
         import pyarrow as pa
 
+        way, kind = self._leaves[name]
         if not _is_list(kind):
             return 1
         if not (pa.types.is_integer(kind.value_type) or pa.types.is_floating(kind.value_type)):
             return 0
         first = next(self._file.iter_batches(batch_size=1, columns=[name]), None)
-        many = len(first.column(0)[0].as_py() or ()) if first is not None and len(first) else 0
+        many = len(_within(first.column(0), way)[0].as_py() or ()) if first is not None and len(first) else 0
         return many if many <= _WIDEST else 0
 
     def read(self, positions: Sequence[int]) -> list[FloatArray]:
@@ -74,7 +79,7 @@ class ParquetTable(Table):
         import pyarrow as pa
         import pyarrow.compute as pc
 
-        kind, where = self._file.schema_arrow.field(name).type, f"{self.path}: row 1, column {name}"
+        (way, kind), where = self._leaves[name], f"{self.path}: row 1, column {name}"
         lists = _is_list(kind)
         number = kind.value_type if lists else kind
         stamps = pa.types.is_timestamp(kind) or pa.types.is_duration(kind) or pa.types.is_time(kind)
@@ -82,7 +87,7 @@ class ParquetTable(Table):
             raise InputError(where, f"a column of type {kind}", "a column of numbers")
         at = [i for i, (source, _) in enumerate(self._source) if source == name]
         try:
-            column = self._file.read(columns=[name]).column(0)
+            column = _within(self._file.read(columns=[name]).column(0), way)
             rows = len(column)
             column = pc.list_flatten(column) if lists else self._from_first(at[0], column) if stamps else column
             flat = np.asarray(column.cast(pa.float64(), safe=False).to_numpy(), dtype=np.float64)
@@ -106,6 +111,27 @@ class ParquetTable(Table):
         dated = pa.types.is_timestamp(column.type)
         self.dated[position] = str(np.datetime64(first, unit)) if dated else f"{first / _A_SECOND[unit]:.9g} s"
         return pc.multiply(pc.subtract(counts, first).cast(pa.float64()), 1.0 / _A_SECOND[unit])
+
+
+def _leaves(before: tuple[str, ...], fields: Any) -> Iterator[tuple[tuple[str, ...], Any]]:
+    """Columns of a schema or a struct, with the names on the way to each and its type; those of structs are within."""
+    import pyarrow as pa
+
+    for field in fields:
+        way = (*before, field.name)
+        if pa.types.is_struct(field.type):
+            yield from _leaves(way, field.type)
+        else:
+            yield way, field.type
+
+
+def _within(column: Any, way: tuple[str, ...]) -> Any:
+    """The values of a field of a column of structs; of a column itself where the way has no more names."""
+    import pyarrow.compute as pc
+
+    for name in way[1:]:
+        column = pc.struct_field(column, name)
+    return column
 
 
 def _is_list(kind: Any) -> bool:
