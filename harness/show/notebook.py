@@ -3,7 +3,9 @@
 A plot of the page is a figure of plotly or matplotlib, whichever is installed.
 """
 
+import gzip
 import re
+from base64 import b64encode
 from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 from importlib import import_module
@@ -21,6 +23,13 @@ from harness.show.plots import POINTS, Trace, thinned
 from harness.show.report.page import render, whole
 
 _LOOKS = "width:100%;height:min(85vh,900px);border:0;background:white"
+_UNPACKED = """<p>This page needs a browser of 2023 or later, with scripts.</p>
+<script type="text/plain">%s</script><script>
+const packed = Uint8Array.from(atob(document.scripts[0].text), one => one.charCodeAt(0));
+const page = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+new Response(page).text().then(text => { document.open(); document.write(text); document.close(); });
+</script>"""
+"""A document that is replaced by the one packed in it (gzip, base64)."""
 _NAMES = ("label", "name", "what", "file", "joint")
 """Fields by which one of several is known, the first that it has."""
 _SAID = ("statement", "conclusions", "sentences", "shortfalls", "wrong", "warnings")
@@ -39,8 +48,10 @@ def html(result: Paged) -> str:
         if not report.is_file():
             return f"<pre>{escape(text(result))}</pre>"
         shown = whole(report).decode("utf-8")
-    # a document inside the document: neither's style or script reaches the other
-    return f'<iframe title="report" srcdoc="{escape(shown)}" style="{_LOOKS}"></iframe>'
+    # a document inside the document: neither's style or script reaches the other; packed, since a notebook keeps the
+    # output of every cell that shows one, the library of its plots included
+    packed = b64encode(gzip.compress(shown.encode("utf-8"), mtime=0)).decode("ascii")
+    return f'<iframe title="report" srcdoc="{escape(_UNPACKED % packed)}" style="{_LOOKS}"></iframe>'
 
 
 def text(result: Paged) -> str:

@@ -1,19 +1,46 @@
 """A result in a notebook: the page in a frame, the numbers as a table."""
 
+import gzip
 import pickle
 import sys
+from base64 import b64decode
 from html import escape, unescape
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import pytest
+from browsed import open_page
 
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.results.identify import IdentifyResult
 from harness.show.report.identify import identify_page
 from harness.show.report.page import render
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+
+def unpacked(frame: str) -> str:
+    """The page in a notebook's frame."""
+    document = unescape(frame.partition('srcdoc="')[2].partition('" style')[0])
+    data = document.partition('text/plain">')[2].partition("<")[0]
+    return gzip.decompress(b64decode(data)).decode("utf-8")
+
+
+def test_a_browser_draws_what_a_frame_holds(
+    browser: "Browser", identify_result: IdentifyResult, recording: Recording, tmp_path: Path
+) -> None:
+    drawn = identify_result.model_copy(deep=True).drawn(lambda result: identify_page(result, recording))
+    (tmp_path / "cell.html").write_text(
+        f'<!doctype html><html data-ready="true">{drawn._repr_html_()}', encoding="utf-8"
+    )
+    page, said = open_page(browser, tmp_path / "cell.html")
+    frame = page.frame_locator("iframe")
+    assert frame.locator("h1").inner_text().startswith("Friction and damping of")
+    frame.locator("html[data-ready='true'] .main-svg").first.wait_for(timeout=60_000)
+    assert said == []
 
 
 def test_a_result_shows_its_page_from_memory_or_from_its_file(
@@ -25,7 +52,8 @@ def test_a_result_shows_its_page_from_memory_or_from_its_file(
     page = identify_page(identify_result, recording)
     drawn = identify_result.model_copy(deep=True).drawn(lambda result: identify_page(result, recording))
     shown = drawn._repr_html_()
-    assert unescape(shown.partition('srcdoc="')[2].partition('" style')[0]) == render(page)
+    assert unpacked(shown) == render(page)
+    assert len(shown) < len(render(page)) / 2
     assert drawn == identify_result
     report = tmp_path / "report.html"
     report.write_text(render(page), encoding="utf-8")
