@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from harness.fidelity.row import Spec
 
 MARK = "friction_fidelity"
-_NO_BASELINE = "no baseline: --friction-baseline FILE, or a fixture friction_baseline"
+_WRITE = "harness regress --baseline friction.json --update"
+_NO_BASELINE = f"no baseline, and no fixture friction_baseline. Try: {_WRITE}, then --friction-baseline friction.json"
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -75,7 +76,7 @@ def _rows(session: pytest.Session) -> Iterator[pytest.Item]:
         options = SweepOptions(tuple(chosen), short=not whole)
         specs = [*options.matrix.specs(engines_for(options))]
     except HarnessError as error:
-        raise pytest.UsageError(f"--friction-fidelity: {error}") from None
+        raise pytest.UsageError(str(error).replace("--engine", "--friction-engine", 1)) from None
     suite = _Suite.from_parent(session, name="friction-fidelity", nodeid="friction-fidelity")
     for spec in specs:
         item: pytest.Item = pytest.Function.from_parent(suite, name=spec.name, callobj=_test_of(spec))
@@ -99,8 +100,7 @@ def _held(baseline: Path, kind: Callable[[str], BaseException]) -> "Mapping[Vers
     try:
         return held(baseline)
     except InputError as error:
-        line = "harness regress --baseline friction.json --update"
-        raise kind(f"--friction-baseline {baseline}: {error.found}. Try: {line}") from None
+        raise kind(f"--friction-baseline {baseline}: {error.found}. Try: {_WRITE}") from None
 
 
 def _test_of(spec: "Spec") -> Callable[..., None]:
@@ -111,7 +111,8 @@ def _test_of(spec: "Spec") -> Callable[..., None]:
 
         if spec.engine.partition("@")[0] not in {engine for engine, _, _ in friction_held}:
             pytest.fail(
-                f"the baseline has no row of {spec.engine}; harness regress --update writes them", pytrace=False
+                f"the baseline has no row of {spec.engine}. Try: {_WRITE} --engine {spec.engine.partition('@')[0]}",
+                pytrace=False,
             )
         now = {spec.name: kept(compute(spec))}
         before = against(friction_held, now)

@@ -99,7 +99,7 @@ def test_the_baseline_is_a_fixture_that_a_project_may_replace(pytester: pytest.P
 def test_without_a_baseline_or_with_another_engines_every_row_says_so(pytester: pytest.Pytester) -> None:
     done = pytester.runpytest_inprocess(*PLUGIN, *QUICK)
     done.assert_outcomes(errors=2, deselected=28)
-    assert any("--friction-baseline FILE" in line for line in done.outlines)
+    assert any("--update, then --friction-baseline friction.json" in line for line in done.outlines)
     data = json.loads(PUBLISHED.read_text())
     data["rows"] = {name: row for name, row in data["rows"].items() if row["engine"] == "dart"}
     (pytester.path / "other.json").write_text(json.dumps(data))
@@ -111,7 +111,7 @@ def test_without_a_baseline_or_with_another_engines_every_row_says_so(pytester: 
 def test_an_engine_that_there_is_not_is_a_usage_error(pytester: pytest.Pytester) -> None:
     done = pytester.runpytest_inprocess(*PLUGIN, "--friction-engine", "mujco", *BASELINE)
     assert done.ret == pytest.ExitCode.USAGE_ERROR
-    assert any("did you mean mujoco" in line for line in done.errlines)
+    assert any("--friction-engine: 'mujco'" in line and "did you mean mujoco" in line for line in done.errlines)
 
 
 def test_a_baseline_that_is_named_and_is_none_is_a_usage_error(pytester: pytest.Pytester) -> None:

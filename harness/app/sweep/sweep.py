@@ -144,7 +144,7 @@ def engines_for(options: SweepOptions) -> dict[str, Engine]:
         try:
             found = {name: registry.load(name) for name in dict.fromkeys(options.engines)}
         except SimulationError as error:
-            raise InputError("--engine", str(error), "an installed engine") from None
+            raise InputError("--engine", str(error), "try: harness doctor") from None
     else:
         found = {name: registry.load(name) for name, why in registry.available().items() if why is None}
     labels = [engine.label for engine in found.values()]
