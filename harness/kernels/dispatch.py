@@ -122,12 +122,14 @@ def smoothed_law(number: int, v: float, a: float, level: float, theta: FloatArra
     _quadratic_drag,
     _quadratic_drag_free,
     _asymmetric_viscous,
+    _asymmetric_viscous_free,
     _power_law_damping,
     _power_law_damping_free,
     _power_law_damping_free_knee,
     _cubic_stiffness,
     _cubic_stiffness_free,
     _quadratic_stiffness,
+    _quadratic_stiffness_free,
     _pendulum_stiffness,
     _end_stop,
     _end_stop_positive,
@@ -154,12 +156,14 @@ def smoothed_law(number: int, v: float, a: float, level: float, theta: FloatArra
     "quadratic-drag",
     "quadratic-drag:free",
     "asymmetric-viscous",
+    "asymmetric-viscous:free",
     "power-law-damping",
     "power-law-damping:free",
     "power-law-damping:free-knee",
     "cubic-stiffness",
     "cubic-stiffness:free",
     "quadratic-stiffness",
+    "quadratic-stiffness:free",
     "pendulum-stiffness",
     "end-stop",
     "end-stop:positive",
@@ -194,58 +198,62 @@ def smooth(number: int, x: float, v: float, t: float, theta: FloatArray, o: int,
     elif number == 2:
         _asymmetric_viscous(x, v, theta, o, out)
     elif number == 3:
-        _power_law_damping(x, v, theta, o, out)
+        _asymmetric_viscous_free(x, v, theta, o, out)
     elif number == 4:
-        _power_law_damping_free(x, v, theta, o, out)
+        _power_law_damping(x, v, theta, o, out)
     elif number == 5:
-        _power_law_damping_free_knee(x, v, theta, o, out)
+        _power_law_damping_free(x, v, theta, o, out)
     elif number == 6:
-        _cubic_stiffness(x, v, theta, o, out)
+        _power_law_damping_free_knee(x, v, theta, o, out)
     elif number == 7:
-        _cubic_stiffness_free(x, v, theta, o, out)
+        _cubic_stiffness(x, v, theta, o, out)
     elif number == 8:
-        _quadratic_stiffness(x, v, theta, o, out)
+        _cubic_stiffness_free(x, v, theta, o, out)
     elif number == 9:
-        _pendulum_stiffness(x, v, theta, o, out)
+        _quadratic_stiffness(x, v, theta, o, out)
     elif number == 10:
-        _end_stop(x, v, theta, o, out)
+        _quadratic_stiffness_free(x, v, theta, o, out)
     elif number == 11:
-        _end_stop_positive(x, v, theta, o, out)
+        _pendulum_stiffness(x, v, theta, o, out)
     elif number == 12:
-        _end_stop_negative(x, v, theta, o, out)
+        _end_stop(x, v, theta, o, out)
     elif number == 13:
-        _end_stop_free(x, v, theta, o, out)
+        _end_stop_positive(x, v, theta, o, out)
     elif number == 14:
-        _end_stop_positive_free(x, v, theta, o, out)
+        _end_stop_negative(x, v, theta, o, out)
     elif number == 15:
-        _end_stop_negative_free(x, v, theta, o, out)
+        _end_stop_free(x, v, theta, o, out)
     elif number == 16:
-        _backlash(x, v, theta, o, out)
+        _end_stop_positive_free(x, v, theta, o, out)
     elif number == 17:
-        _backlash_free(x, v, theta, o, out)
+        _end_stop_negative_free(x, v, theta, o, out)
     elif number == 18:
-        _stiffness_drift(x, v, t, theta, o, out)
+        _backlash(x, v, theta, o, out)
     elif number == 19:
-        _stiffness_drift_free(x, v, t, theta, o, out)
+        _backlash_free(x, v, theta, o, out)
     elif number == 20:
-        _constant_force(x, v, theta, o, out)
+        _stiffness_drift(x, v, t, theta, o, out)
     elif number == 21:
-        _force_ripple(x, v, theta, o, out)
+        _stiffness_drift_free(x, v, t, theta, o, out)
     elif number == 22:
-        _harmonic_force(x, v, t, theta, o, out)
+        _constant_force(x, v, theta, o, out)
     elif number == 23:
-        _tabulated_stiffness(x, v, theta, o, out)
+        _force_ripple(x, v, theta, o, out)
     elif number == 24:
-        _tabulated_friction(x, v, theta, o, out)
+        _harmonic_force(x, v, t, theta, o, out)
     elif number == 25:
-        _tabulated_friction_forward(x, v, theta, o, out)
+        _tabulated_stiffness(x, v, theta, o, out)
     elif number == 26:
-        _tabulated_friction_backward(x, v, theta, o, out)
+        _tabulated_friction(x, v, theta, o, out)
     elif number == 27:
-        _tabulated_force(x, v, theta, o, out)
+        _tabulated_friction_forward(x, v, theta, o, out)
     elif number == 28:
-        _given_force(x, v, t, theta, o, out)
+        _tabulated_friction_backward(x, v, theta, o, out)
     elif number == 29:
+        _tabulated_force(x, v, theta, o, out)
+    elif number == 30:
+        _given_force(x, v, t, theta, o, out)
+    elif number == 31:
         _given_damping(x, v, t, theta, o, out)
 
 

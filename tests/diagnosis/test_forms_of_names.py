@@ -85,3 +85,35 @@ def test_bristles_of_any_form_are_one_name_and_leave_the_other_numbers_right(
     assert found.mechanisms[0].name == "presliding"
     for name, truth in (("zeta", C / (2.0 * math.sqrt(K))), ("x_k", F_K / K)):
         assert found.refined.parameters[name].value == pytest.approx(truth, rel=near)
+
+
+def without_friction(law: Callable[[float, float], float], x0: float) -> FloatArray:
+    """1 kg under a law of x and v, on the left, let go at x0, m."""
+    found = solve_ivp(lambda t, s: [s[1], -law(s[0], s[1])], (0.0, T[-1]), (x0, 0.0), rtol=1e-9, atol=1e-12, t_eval=T)
+    x: FloatArray = found.y[0]
+    return x
+
+
+def test_a_valve_that_is_squared_one_way_is_damping_that_differs_by_direction() -> None:
+    recording = seen(without_friction(lambda x, v: K * x + C * v + 0.15 * max(v, 0.0) ** 2, 0.3), 1e-5)
+    found = harness.diagnose(recording, restoring="spring", zero="spring", engines=())
+    (one,) = found.mechanisms
+    assert (found.verdict, one.name) == ("missing_physics", "asymmetric-viscous")
+    for name, truth in (("c_diff", 0.15), ("exponent", 2.0)):
+        said = one.parameters[name]
+        assert said.stderr is not None
+        assert said.value == pytest.approx(truth, abs=3.0 * said.stderr), name
+    assert found.refined.parameters["zeta"].value == pytest.approx(C / (2.0 * math.sqrt(K)), rel=0.02)
+
+
+def test_a_column_of_gas_is_a_spring_whose_sides_differ() -> None:
+    """At one temperature, F h/(h + x) of a column that is h long presses back: K = F/h beside x^2/(1 + x/h)."""
+    h = 0.5
+    recording = seen(without_friction(lambda x, v: K * h * (1.0 - h / (h + x)) + C * v, 0.2), 1e-5)
+    found = harness.diagnose(recording, restoring="spring", zero="spring", engines=())
+    (one,) = found.mechanisms
+    assert (found.verdict, one.name) == ("missing_physics", "quadratic-stiffness")
+    for name, truth in (("k2", -K / h), ("closing", 1.0 / h)):
+        said = one.parameters[name]
+        assert said.stderr is not None
+        assert said.value == pytest.approx(truth, abs=3.0 * said.stderr), name

@@ -192,7 +192,7 @@ def _search(problem: P, base: Fit, scales: Scales, renew: Renew[P], alone: Step)
     beam = _beam(singles)
     # of a table the form is asked at once: beside a curve of any shape a name is worth what its best form says
     if chosen.model.terms and (left is Left.STRUCTURE or not problem.moves):
-        free, alike, rest = _with_free_form(chosen, singles, problem, scales, base)
+        free, alike, rest = _with_free_form(chosen, singles[:_FREED], singles, problem, scales, base)
         if rest is not Left.STRUCTURE:
             problem, best, singles = _renewed(problem, scales, free, alike, renew)
             return Search(problem, under(base, problem), best, singles, singles, rest, begun=alone.begun)
@@ -208,11 +208,11 @@ def _search(problem: P, base: Fit, scales: Scales, renew: Renew[P], alone: Step)
         found = in_turn(found, problem)
         if not found or against(found[0], problem) > least:
             break
-        if len(chosen.model.terms) == 1:
-            free, alike, rest = _with_free_form(chosen, (chosen,), problem, scales, base)
-            if against(found[0], problem) > against(free, problem) - second:
-                chosen, left, rivals = free, rest, in_turn((*alike, *singles[1:]), problem)
-                break
+        if lone := _lone_before(found[0], chosen, singles, problem, scales, base):
+            problem, chosen, rivals = _renewed(problem, scales, lone[0], lone, renew)
+            base = under(base, problem)
+            left = left_by(chosen, problem, scales.omega, base)
+            break
         problem, best, found = _renewed(problem, scales, found[0], found, renew)
         found = in_turn((*(f for f in found if key_of(f) != key_of(best)), best), problem)
         base = under(base, problem)
@@ -236,8 +236,30 @@ def _search(problem: P, base: Fit, scales: Scales, renew: Renew[P], alone: Step)
     return Search(problem, base, chosen, singles, rivals, left, without, begun=alone.begun)
 
 
+def _lone_before(
+    pair: Fit, chosen: Fit, singles: tuple[Fit, ...], problem: Problem, scales: Scales, base: Fit
+) -> tuple[Fit, ...]:
+    """What comes before a pair: one of its laws with its form free, and the others alone; none where the pair does.
+
+    A law whose formula is off may need company to be seen at all, and none once its form is free.
+    """
+    if len(chosen.model.terms) != 1:
+        return ()
+    first = [chosen]
+    for entry in pair.model.terms:
+        if (entry.term.name,) != key_of(chosen) and forms_of(entry.term.key):
+            model = replace(pair.model, terms=(entry,))
+            with suppress(SimulationError):
+                first.append(fit(model, problem, free_of(model, base_of(pair.free)), scales, thorough=False))
+    free, alike, _ = _with_free_form(chosen, first, (chosen,), problem, scales, base)
+    if against(pair, problem) <= against(free, problem) - SECOND_TERM.value - problem.spare:
+        return ()
+    rest = in_turn((*alike, *singles[1:]), problem)
+    return (free, *(f for f in rest if f is not free))
+
+
 def _with_free_form(
-    chosen: Fit, singles: tuple[Fit, ...], problem: Problem, scales: Scales, base: Fit
+    chosen: Fit, first: Sequence[Fit], singles: Sequence[Fit], problem: Problem, scales: Scales, base: Fit
 ) -> tuple[Fit, tuple[Fit, ...], Left]:
     """The first laws with their form free, beside all laws, and the one among them that is chosen with what it leaves.
 
@@ -245,7 +267,7 @@ def _with_free_form(
     that leaves noise alone comes before those that do not, unless they are as likely: chance decides which side of a
     test two fall that fit alike.
     """
-    forms = [f for f in (freed(one, problem, scales) for one in singles[:_FREED]) if f is not None]
+    forms = [f for f in (freed(one, problem, scales) for one in first) if f is not None]
     better = [f for f in forms if f.bic < chosen.bic]
     alone = [f.bic for f in better if left_by(f, problem, scales.omega, base) is Left.NOISE]
     noise = [f for f in better if alone and f.bic < min(alone) + DECISIVE.value]

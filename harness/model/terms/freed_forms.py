@@ -7,7 +7,7 @@ one effect in another form stays one name.
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -29,6 +29,7 @@ from harness.model.law import (
 )
 from harness.model.term import Extent, FreedFrom, History, Parameter, Probe, States, Term
 from harness.model.terms import (
+    asymmetric_viscous,
     backlash,
     cubic_stiffness,
     end_stop,
@@ -36,6 +37,7 @@ from harness.model.terms import (
     power_law_damping,
     presliding,
     quadratic_drag,
+    quadratic_stiffness,
     regularised_friction,
     stiffness_drift,
     stribeck,
@@ -128,6 +130,10 @@ def law_knee(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> 
     out[D_PARAMETER + 2] = -c_p * slope * u / v_0
 
 
+_LEAST_GAP: Final = 0.05
+"""Of a gas column that is left at the end of its way; what goes further meets a column that closes no more."""
+
+
 @lean
 def power(z: float, by_z: int, theta: FloatArray, o: int, out: FloatArray) -> None:
     """c |z|^p sgn z, c and p from theta[o] on; by_z : the column of its partial by z."""
@@ -143,6 +149,28 @@ def power(z: float, by_z: int, theta: FloatArray, o: int, out: FloatArray) -> No
 def law_drag(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
     """c2 |v|^p sgn v."""
     power(v, D_V, theta, o, out)
+
+
+def law_one_way(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """c_diff |v|^p one way, where v has its sign, and nothing the other way."""
+    c_diff, p, s = theta[o], theta[o + 1], abs(v)
+    if c_diff * v > 0.0:
+        grown = s**p
+        out[VALUE] = c_diff * grown
+        out[D_V] = abs(c_diff) * p * grown / s
+        out[D_PARAMETER] = grown
+        out[D_PARAMETER + 1] = c_diff * grown * math.log(s)
+
+
+def law_closing(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """k2 x^2/(1 + closing x), up to closing x = -1: with a spring what a gas at one temperature does (Boyle)."""
+    k2, closing = theta[o], theta[o + 1]
+    left = max(1.0 + closing * x, _LEAST_GAP)
+    own = 1.0 if left > _LEAST_GAP else 0.0
+    out[VALUE] = k2 * x * x / left
+    out[D_X] = k2 * x * (2.0 - own * closing * x / left) / left
+    out[D_PARAMETER] = x * x / left
+    out[D_PARAMETER + 1] = -own * k2 * x * x * x / (left * left)
 
 
 def law_hardening(x: float, v: float, theta: FloatArray, o: int, out: FloatArray) -> None:
@@ -399,6 +427,16 @@ YIELDING = _of(
 DRAG = _of(
     quadratic_drag.TERM, law_drag, Parameter("exponent", "1", 1.2, 5.0), _from(2.0), example=(0.2, 2.6),
     parameters=(Parameter("c2", "N (s/m)^p", 0.0),), sentence="A drag grows with a power of the speed: c2 = {c2}",
+)  # fmt: skip
+ONE_WAY = _of(
+    asymmetric_viscous.TERM, law_one_way, Parameter("exponent", "1", 1.0, 4.0),
+    lambda values, span, speed: [(2.0 * values[0] * speed ** (1.0 - p), p) for p in (1.0, 2.0)], example=(0.3, 1.6),
+    parameters=(Parameter("c_diff", "N (s/m)^p"),),
+    sentence="Damping grows with a power of the speed one way, forwards where c_diff is above 0: c_diff = {c_diff}",
+)  # fmt: skip
+CLOSING = _of(
+    quadratic_stiffness.TERM, law_closing, Parameter("closing", "1/m"), _from(0.0), example=(20.0, 0.4),
+    sentence="The two sides of the spring differ, as of a column of gas: a force k2 x^2/(1 + closing x), k2 = {k2}",
 )  # fmt: skip
 HARDENING = _of(
     cubic_stiffness.TERM, law_hardening, Parameter("exponent", "1", 1.3, 8.0), _from(3.0), example=(20.0, 2.4),
