@@ -14,6 +14,7 @@ from whole_arm_logs import LOWPASS, NAMES, arm, log_of, machine, with_effect
 from benchmarks.robot_calibrate.draws import loose
 from benchmarks.robot_calibrate.plant import Friction
 from harness.core.arrays import FloatArray
+from harness.core.robot import JointLog
 from harness.robot.arm import load_arm
 from harness.robot.whole_arm.columns import (
     ARMATURE,
@@ -315,6 +316,31 @@ def test_a_turn_within_a_coarse_encoders_steps_is_no_rest(name: str) -> None:
     coarse = with_effect(replace(plant, counts=2**14), JOINT, CASES[name][0])
     found = whole_arm(log_of(coarse, motion), arm(), lowpass=LOWPASS)
     assert (name, f"joint{JOINT + 1}") in found.named
+
+
+@pytest.mark.parametrize("length", [0.01, 0.004, 0.0])
+def test_presliding_is_told_of_a_joint_that_rests_where_it_turns(length: float, tmp_path: Path) -> None:
+    """To and fro with a rest of .3 s at either end; a joint without bristles is held there by any friction there is."""
+    link = '<body><joint name="j" axis="0 0 1"/><inertial pos="0 0 0" mass="1" diaginertia=".5 .5 .5"/></body>'
+    (tmp_path / "arm.xml").write_text(f"<mujoco><worldbody>{link}</worldbody></mujoco>")
+    t, rng = np.arange(0.0, 24.0, 0.004), np.random.default_rng(8)
+    ends = rng.uniform(0.2, 0.6, 17) * np.resize([-1.0, 1.0], 17)
+    way, begun = (t // 1.5).astype(int), t % 1.5
+    far, s = np.diff(ends)[way], np.clip(begun / 1.2, 0.0, 1.0)
+    q = ends[way] + far * s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
+    v = far * 30.0 * s**2 * (1.0 - s) ** 2 / 1.2
+    a = far * 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / 1.2**2
+    held = np.where(s < 1.0, np.sign(far), rng.uniform(-1.0, 1.0, 16)[way])
+    torque = 0.5 * a + 0.1 * v + 0.8 * (bristles(q, length) if length else held)
+    log = JointLog(t, {"j": q}, effort={"j": torque + 0.004 * rng.standard_normal(t.size)})
+    found = whole_arm(log, load_arm(tmp_path / "arm.xml"))
+    if not length:
+        assert found.named == ()
+        return
+    assert found.named == ((PRESLIDING, "j"),)
+    numbers = dict(found.joints[0].effects[0].parameters)
+    assert numbers["length"].value == pytest.approx(length, rel=0.1)
+    assert numbers["held"].value == pytest.approx(0.8, rel=0.1)
 
 
 def test_load_and_position_of_one_gravity_joint_are_a_pair() -> None:

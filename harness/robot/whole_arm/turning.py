@@ -12,7 +12,7 @@ from itertools import accumulate
 import numpy as np
 from scipy.special import betainc
 
-from harness.core.arrays import BoolArray, FloatArray, IntArray
+from harness.core.arrays import FloatArray, IntArray
 from harness.model.terms import backlash, presliding, static_friction
 from harness.robot.whole_arm.columns import DELAY, STRIBECK, Candidate, fall_with_speed, of_friction, signs
 from harness.robot.whole_arm.design import Design, Named, Stretches, Whitened, evidence_of_chance
@@ -25,6 +25,7 @@ from harness.robot.whole_arm.rules import (
     HELD_LEAST,
     HELD_MOST,
     LONGEST_SLIP,
+    MAIN,
     NAMED,
     RIVAL,
     STICKS,
@@ -34,6 +35,8 @@ from harness.robot.whole_arm.search import Solved, polished
 PRESLIDING, STATIC, BACKLASH = presliding.TERM.name, static_friction.TERM.name, backlash.TERM.name
 AT_REVERSALS = PRESLIDING, STATIC, BACKLASH, DELAY
 """What may be named there."""
+AT_REST, _WHILE = "friction-at-rest", 0.3
+"""What is allowed for beside them, and 1/f_lowpass within which the filter does not show how that changes."""
 _LENGTHS = 12
 """Lengths, and speeds, that are tried."""
 
@@ -74,20 +77,25 @@ def _turned(solved: Solved, joint: int, without: str = "") -> Turned | None:
     filtered, design = solved.problem.filtered, solved.model.design
     part, rigid = design.parts[joint], solved.problem.rigid[:, joint]
     v = filtered.v_fine[:, filtered.dof[joint]]
-    turns, free = _sliding(filtered, joint, reversals(v, filtered.sure_speed(joint)))
-    if turns.size < ENOUGH_TURNS.value:
+    turns, rests = reversals(v, filtered.sure_speed(joint)), _rests(filtered, joint)
+    reach, free = GUARD.value / filtered.band.lowpass, filtered.good.copy()
+    for first, last in rests:
+        free &= (filtered.t <= first - reach) | (filtered.t >= last + reach)
+    times = filtered.t_fine[0] + turns / filtered.fine.rate
+    nearest = np.searchsorted((times[1:] + times[:-1]) / 2.0, filtered.t)[free]
+    if np.unique(nearest).size < ENOUGH_TURNS.value:
         return None
     # without what errors of the model that several joints share take of it
     own = part.torque - design.said(joint, lambda candidate: candidate.joint is None)
-    parts = {joint: replace(part, torque=own, stretches=Stretches.of(filtered.good & free))}
+    parts = {joint: replace(part, torque=own, stretches=Stretches.of(free))}
     local = [
         replace(one, whitened=Whitened.of(one.candidate, parts))
         for one in design.named
         if one.candidate.joint == joint and one.candidate.name != without
     ]
-    times = filtered.t_fine[0] + turns / filtered.fine.rate
-    nearest = np.searchsorted((times[1:] + times[:-1]) / 2.0, filtered.t)[parts[joint].stretches.kept]
     coulomb, viscous, *_ = design.numbers[design.base[joint]].tolist()
+    if rests.size:
+        local.append(Named(Whitened.of(_at_rest(filtered, joint, rests, abs(coulomb)), parts)))
     late = _late(filtered, joint, abs(coulomb), viscous, rigid)
     # how friction changes within a rest too short to be seen is not known, and looks like a time
     unseen = 0.5 * STICKS.value / filtered.band.lowpass
@@ -96,12 +104,10 @@ def _turned(solved: Solved, joint: int, without: str = "") -> Turned | None:
     base, moved = Design(parts, held), plain.score(timing.whitened).gain
     tried = [_tried(base, shape, nearest, moved) for shape in _shapes(filtered, joint, turns, rigid)]
     tried.append(_tried(plain, late, nearest))
-    found = sorted(
-        (one for one in tried if one is not None and _plausible(*one, abs(coulomb), unseen)), key=lambda o: -o[0].gain
-    )
+    found = sorted((one for one in tried if one is not None and _plausible(*one, unseen)), key=lambda one: -one[0].gain)
     if not found or found[0][0].evidence < NAMED.value:
         return None
-    best, _, error = found[0]
+    best, _, error, _ = found[0]
     best = replace(
         best,
         rivals={one.candidate.key: best.gain - one.gain for one, *_ in found[1:] if one.gain > best.gain - RIVAL.value},
@@ -118,26 +124,39 @@ def _turned(solved: Solved, joint: int, without: str = "") -> Turned | None:
     squares = [float(np.sum(one.left(joint)[turning] ** 2)) for one in (base, fitted)]
     floor = float(np.sum(turning)) * float(solved.problem.noise[joint]) ** 2
     share = float(np.clip((squares[0] - squares[1]) / max(squares[0] - floor, 1e-300), 0.0, 1.0))
+    # what happens as a joint comes to rest, or begins, is many things, of which a law takes some
+    if share <= MAIN.value:
+        return None
     return Turned(named, fitted.numbers[fitted.places[-1]], errors, share)
 
 
-def _sliding(filtered: Filtered, joint: int, turns: FloatArray) -> tuple[FloatArray, BoolArray]:
-    """Reversals in which a joint does not rest, and the samples (m,) that no rest comes near.
+def _rests(filtered: Filtered, joint: int) -> FloatArray:
+    """From when to when (r, 2), s, a joint rests.
 
     At rest friction is whatever holds the joint, and says nothing of the law by which it slides. One that creeps, as in
     engines, rests too: it is slow for half longer than a reversal's acceleration takes through such speeds.
     """
-    reach, slowest = GUARD.value / filtered.band.lowpass, filtered.sure_speed(joint)
+    slowest = filtered.sure_speed(joint)
     turning = float(np.quantile(np.abs(filtered.a[:, filtered.dof[joint]]), 0.75))
     slow = np.pad(np.abs(filtered.v_fine[:, filtered.dof[joint]]) < slowest, 1).astype(np.int8)
     spans = filtered.t_fine[np.minimum(np.flatnonzero(np.diff(slow)), filtered.t_fine.size - 1)].reshape(-1, 2)
     longest = max(STICKS.value / filtered.band.lowpass, 1.5 * 2.0 * slowest / max(turning, 1e-12))
-    resting = np.zeros(filtered.t.size, dtype=np.bool_)
-    for first, last in (*filtered.rests[joint], *spans[spans[:, 1] - spans[:, 0] > longest]):
-        resting |= (filtered.t > first - reach) & (filtered.t < last + reach)
-    at = filtered.t_fine[0] + turns / filtered.fine.rate
-    near = np.clip(np.searchsorted(filtered.t, at), 0, filtered.t.size - 1)
-    return turns[~resting[near]], ~resting
+    return np.vstack((filtered.rests[joint], spans[spans[:, 1] - spans[:, 0] > longest]))
+
+
+def _at_rest(filtered: Filtered, joint: int, rests: FloatArray, coulomb: float) -> Candidate:
+    """Friction at rest, of no law and about as large as when a joint slides, as far as the filter spreads it."""
+    resting = np.any([(filtered.t_fine >= first) & (filtered.t_fine <= last) for first, last in rests], axis=0)
+    rows = np.flatnonzero(resting)
+    whiles = max(round(_WHILE / filtered.band.lowpass * filtered.fine.rate), 1)
+    begun = np.flatnonzero(np.diff(resting.astype(np.int8), prepend=0) == 1)
+    since = rows - begun[np.searchsorted(begun, rows, "right") - 1]
+    which = np.cumsum(since % whiles == 0) - 1
+    fine = np.zeros((resting.size, int(which[-1]) + 1))
+    fine[rows, which] = 1.0
+    numbers = tuple((f"at rest {i}", "N m") for i in range(fine.shape[1]))
+    found = of_friction(AT_REST, joint, numbers, filtered.column(fine, jumps=True))
+    return replace(found, spread=np.full(fine.shape[1], coulomb))
 
 
 def _within(filtered: Filtered, joint: int) -> float:
@@ -195,8 +214,9 @@ def bristles(q: FloatArray, length: float) -> FloatArray:
 
 def _tried(
     base: Design, candidate: Candidate, nearest: IntArray, before: float = 0.0
-) -> tuple[Named, float, float] | None:
-    """A candidate at its best setting, as sure as the reversals agree on it, its number and the error of that.
+) -> tuple[Named, float, float, float] | None:
+    """A candidate at its best setting, as sure as the reversals agree on it, its number, the error of that, and Coulomb
+    friction beside it.
 
     nearest : reversal of each row. before : gain that the base has already.
     """
@@ -208,12 +228,13 @@ def _tried(
     own = base.beyond(columns)[:, 0]
     scores = np.bincount(nearest, own * with_it.residual[: own.size])
     turns = int(np.sum(np.bincount(nearest) > 0))
+    coulomb = abs(float(with_it.numbers[next(iter(with_it.base.values()))][0]))
     number = float(with_it.numbers[with_it.places[-1]][0])
     error = math.sqrt(float(scores @ scores) * turns / (turns - 1)) / float(own @ own)
     t = (number / error) ** 2 if error > 0.0 else 1e12
     chance = float(betainc((turns - 1) / 2.0, 0.5, (turns - 1) / (turns - 1 + t)))
     agreed = evidence_of_chance(math.log(max(chance, 1e-300)), score.whitened.looks, t)
-    return replace(score, gain=score.gain + before, evidence=min(agreed, score.evidence)), number, error
+    return replace(score, gain=score.gain + before, evidence=min(agreed, score.evidence)), number, error, coulomb
 
 
 def _plausible(named: Named, number: float, error: float, coulomb: float, unseen: float) -> bool:
