@@ -169,7 +169,10 @@ def judge(found: Found) -> Judged:
         later = after_first_turn(graded)
         if later is not None and weighed(later[0], later[1].omega).explained:
             explained, scales, left_out = later
-            note = f"the first {left_out:.4g} s, up to the first turning point, are skipped: no free decay yet"
+            note = (
+                f"the first {left_out:.4g} s, up to the first turning point, are skipped: no law explains them as well"
+                " (a hand still in contact, or what acts at that displacement alone)"
+            )
             found = _instead(found, explained, scales, note)
             return Judged(found, verdict_of(found.search))
     with suppress(SimulationError):
@@ -184,8 +187,8 @@ def judge(found: Found) -> Judged:
     return Judged(found, verdict_of(found.search, graded), graded)
 
 
-def _instead(found: Found, search: Search, scales: Scales, *notes: str) -> Found:
-    return replace(found, search=search, scales=scales, coarse=search, notes=(*found.notes, *notes))
+def _instead(found: Found, search: Search, scales: Scales, *left_out: str) -> Found:
+    return replace(found, search=search, scales=scales, coarse=search, left_out=(*found.left_out, *left_out))
 
 
 def _by_an_integrator(found: Search) -> bool:
@@ -272,7 +275,13 @@ def _said(judged: Judged) -> Outcome:
         refined_parameters=told,
         next_experiment=next_experiment(left_open(mechanisms, found), problem, scales)
         or to_be_sure(mechanisms, judgement.rules, driven),
-        warnings=(*said, *warned, *((prediction.why,) if prediction.why else ()), *judged.found.notes),
+        warnings=(
+            *judged.found.left_out,
+            *said,
+            *warned,
+            *((prediction.why,) if prediction.why else ()),
+            *judged.found.notes,
+        ),
         stepping=stepping,
         rules=(*judgement.rules, *(COVARIATES if problem.covariates else ()), *(POOLING if problem.alone else ())),
         remainder=None if by_force is None else remainder_of_force(by_force),
@@ -314,6 +323,7 @@ def _misfit_said(judged: Judged, graded: Graded) -> Outcome:
         next_experiment=next_experiment(left_open_by_grade(mechanisms, graded), problem, scales)
         or to_be_sure(mechanisms, rules, "driven" in problem.given),
         warnings=(
+            *judged.found.left_out,
             *cautions_of_misfit(graded, judged.found.search.doubted),
             *by_form(told, bool(others)),
             *judged.found.notes,

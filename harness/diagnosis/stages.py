@@ -35,6 +35,7 @@ class Found:
     coarse : the search as it was, where its samples were means: what was held out is predicted in it. stepping : of the
     engine whose trace the recording is. notes : what a reader is to know of it, one sentence
     each. by_force : grades of a fitted force, where more than noise is left. pooled : what several recordings share.
+    left_out : what of the recording was not looked at, one sentence each, said first.
     """
 
     search: Search
@@ -44,6 +45,7 @@ class Found:
     notes: tuple[str, ...] = ()
     by_force: ForceGraded | None = None
     pooled: Pooled[Any] | None = None
+    left_out: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

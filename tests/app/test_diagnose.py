@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import re
 import shlex
 import time
 from dataclasses import replace
@@ -14,6 +15,7 @@ import numpy as np
 import pytest
 from diagnose_examples import STOP, example, stopped
 
+import harness
 from harness.app.diagnose import one
 from harness.app.diagnose.many import Answer, Work, compute, diagnose, diagnose_all, failed, folder_names
 from harness.app.diagnose.one import FILES, deliver
@@ -29,7 +31,7 @@ from harness.io.recording import sha256
 from harness.io.store import output_folder
 from harness.kernels.solve import solve
 from harness.model.document import load
-from harness.model.model import Model, Restoring
+from harness.model.model import Model, ModelTerm, Restoring
 from harness.results import generate
 from harness.results.diagnosis import DiagnosisDocument, DiagnosisResult, FailedDiagnosis
 
@@ -42,6 +44,20 @@ def done(tmp_path_factory: pytest.TempPathFactory) -> Done:
     folder = tmp_path_factory.mktemp("diagnose")
     path = stopped(folder / "decay.csv")
     return diagnose(path, DiagnoseOptions(), folder / "out", command="harness diagnose"), path, folder / "out"
+
+
+def test_a_beginning_that_no_law_explains_is_said_to_be_skipped_before_all_else() -> None:
+    """Drag all the way, and a stop beyond 60 mm that only the release from 80 mm touches: 5 half-swings are left."""
+    terms = (ModelTerm.named("quadratic-drag", c2=1.5), ModelTerm.named("end-stop:positive", gap=0.06, k_stop=400.0))
+    t = np.arange(0.0, 9.0, 4e-3)
+    motion = solve(Model(1.0, 0.25, 60.0, 0.35, x0=0.08, terms=terms), t)
+    rng = np.random.default_rng(0)
+    channels = {"x": motion.x + rng.normal(0.0, 2e-5, t.size), "a": motion.a + rng.normal(0.0, 5e-3, t.size)}
+    found = harness.diagnose(Recording(t, channels, "two.csv"), engines=())
+    names = [one.name for one in found.mechanisms]
+    assert "quadratic-drag" in names
+    skipped = r"the first 0[.]\d+ s, up to the first turning point, are skipped"
+    assert "end-stop" in names or re.match(skipped, found.warnings[0])
 
 
 def test_the_stop_is_found_with_its_place_and_stiffness(done: Done) -> None:

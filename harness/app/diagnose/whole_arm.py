@@ -1,5 +1,6 @@
 """A joint of an arm that moves as a whole: what its torque says of its friction, and of the model."""
 
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
@@ -98,7 +99,8 @@ def _told(case: JointCase, found: WholeArm) -> list[JointFriction]:
     if case.joint not in [one.joint for one in found.joints]:
         raise InputError(where, "no effort of it is logged", f"{', '.join(o.joint for o in found.joints)}")
     if case.joint not in [one.joint for one in known]:
-        those = f"a joint that does: {', '.join(one.joint for one in known)}"
+        plan = f"try: harness plan --robot {shlex.quote(case.arm.file)}"
+        those = f"try: --joint {known[0].joint}" if known else plan
         raise InputError(where, "it does not move to and fro enough", those)
     return [found.joint(case.joint)]
 
