@@ -42,13 +42,16 @@ def identify_together(
     Arguments as there. A file that cannot be read, or shows no free decay, is an entry that says so; the rest go on.
     Raises InputError where none of them can be used, where one is given twice, and where units differ; StoreError.
     """
-    given: list[Given] = []
+    given, errors = list[Given](), list[InputError]()
     for i, path in enumerate(paths):
         progress("reading", i, len(paths))
         try:
             given.append(read(path, options, trace))
         except InputError as error:
-            given.append(FailedIdentify(recording=UnreadRecording(file=str(path)), error=str(error)))
+            errors.append(error)
+            given.append(_failed(str(path), error))
+    if len(errors) == len(paths):
+        raise errors[0]
     return deliver_together(given, out, progress, command, restoring)
 
 
@@ -79,10 +82,10 @@ def result_of_together(
     given : recordings, or why one was not read. Raises InputError where none can be used, where two are the same
     samples, and where their units differ.
     """
-    refuse_twice([one for one in given if isinstance(one, Recording)])
+    refuse_twice([one for one in given if isinstance(one, Recording)], command)
     names = [_file(one) for one in given]
     entries: list[IdentifyResult | FailedIdentify] = []
-    used: list[Recording] = []
+    used, errors = list[Recording](), list[HarnessError]()
     for i, one in enumerate(given):
         progress("estimating", i, len(given))
         if isinstance(one, FailedIdentify):
@@ -92,13 +95,13 @@ def result_of_together(
         try:
             entries.append(result_of(one, line, restoring=restoring)[0])
         except (InputError, SimulationError) as error:
-            entries.append(FailedIdentify(recording=UnreadRecording(file=one.file), error=str(error)))
+            errors.append(error)
+            entries.append(_failed(one.file, error))
         else:
             used.append(one)
     found = [one for one in entries if isinstance(one, IdentifyResult)]
     if not found:
-        first = next(one for one in entries if isinstance(one, FailedIdentify))
-        raise UnusableError(f"none of {len(entries)} recordings can be used. The first: {first.error}")
+        raise errors[0] if errors else InputError("identify", "no recording", "one or more")
     _refuse_mixed(found)
     together = repeated_results([one.recording.file for one in found], [dict(_numbers(one)) for one in found])
     shared = _shared(found, together)
@@ -119,10 +122,8 @@ def result_of_together(
     return result.drawn(repeated_page, curves), used
 
 
-class UnusableError(HarnessError):
-    """No recording of several can be used; the first reason is given."""
-
-    exit_code = 2
+def _failed(file: str, error: HarnessError) -> FailedIdentify:
+    return FailedIdentify(recording=UnreadRecording(file=file), error=str(error))
 
 
 def _file(one: Given) -> str:
@@ -186,14 +187,15 @@ def _method_of(shared: Mapping[str, Estimates], together: Mapping[str, RepeatedR
 
 
 def _statement(method: str, shared: Mapping[str, Estimates], together: Mapping[str, RepeatedResult], count: int) -> str:
+    said = f"{count} recording{'s' * (count > 1)}"
     if method in shared:
         p = [(name, getattr(shared[method], name)) for name in QUANTITIES]
-        end = f"read by method {method} from {count} recordings ({shared[method].reversals} reversals)."
+        end = f"read by method {method} from {said} ({shared[method].reversals} reversals)."
     else:
         p = [(name, together[f"{method}.{name}"].value) for name in SLOWING if f"{method}.{name}" in together]
-        end = f"fitted together in each of {count} recordings."
+        end = f"fitted together in each of {said}."
     told = [f"{name} = {sentence_quantity(one)}" for name, one in p if one.value is not None]
-    return f"{', '.join(told)}, {end}" if told else f"No method gives a number from {count} recordings."
+    return f"{', '.join(told)}, {end}" if told else f"No method gives a number from {said}."
 
 
 def _differing(method: str, together: Mapping[str, RepeatedResult], files: Sequence[str]) -> list[str]:

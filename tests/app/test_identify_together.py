@@ -2,6 +2,7 @@
 
 import json
 import math
+import shlex
 from dataclasses import replace
 from pathlib import Path
 
@@ -105,7 +106,7 @@ def test_one_that_cannot_be_used_does_not_stop_the_rest(
 def test_none_that_can_be_used_is_an_error_and_leaves_nothing(tmp_path: Path) -> None:
     t = np.arange(1000, dtype=np.float64) * 1e-3
     still = Recording(t, {"x": np.sin(10.0 * t) * t}, "grows.csv")
-    with pytest.raises(HarnessError, match=r"none of 2 recordings can be used. The first: grows.csv"):
+    with pytest.raises(HarnessError, match=r"grows.csv: no estimate is possible"):
         harness.identify([still, replace(still, t=still.t * 2.0)], out=tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
@@ -115,6 +116,18 @@ def test_the_same_samples_do_not_count_twice() -> None:
         harness.identify([decay(), decay(name="copy.csv")])
     with pytest.raises(InputError, match=r"run-0.csv: given twice: it would count twice"):
         harness.diagnose([decay(), decay()], engines=())
+
+
+def test_the_line_without_the_one_given_twice_runs(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for seed in (1, 2):
+        written(tmp_path, decay(seed=seed))
+    assert run(["identify", "run-1.csv", "run-2.csv", "run-1.csv", "--quiet"]) == 2
+    line = capfd.readouterr().err.partition("Try: harness ")[2]
+    assert line == "identify run-1.csv run-2.csv --quiet\n"
+    assert run(shlex.split(line)) == 0
 
 
 def test_an_angle_beside_a_path_is_refused() -> None:

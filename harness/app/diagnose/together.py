@@ -134,7 +134,7 @@ def investigate_together(
     SimulationError.
     """
     _refuse_options(options)
-    refuse_twice(recordings)
+    refuse_twice(recordings, command)
     _refuse_conditions(recordings, options.conditions)
     progress("base fit and search", 1, STEPS)
     recordings = [thinned(one) for one in recordings]

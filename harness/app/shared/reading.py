@@ -2,6 +2,7 @@
 
 import os
 import re
+import shlex
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -74,15 +75,27 @@ def read_runs(label: str, path: Path, options: ReadOptions, trace: str | None = 
     return [replace(one, file=f"{one.file} run {number}") for number, one in enumerate((first, *rest), 1)]
 
 
-def refuse_twice(recordings: Sequence[Recording]) -> None:
-    """Raise InputError where two recordings are the same samples: what one of them says would count twice."""
+def refuse_twice(recordings: Sequence[Recording], command: str = "") -> None:
+    """Raise InputError where two recordings are the same samples: what one of them says would count twice.
+
+    command : the line that gave them, "" where none did.
+    """
     for i, one in enumerate(recordings):
         for first in recordings[:i]:
             if one.channels.keys() == first.channels.keys() and all(
                 np.array_equal(y, other) for y, other in zip(_columns(one), _columns(first), strict=True)
             ):
                 known = "given twice" if one.file == first.file else f"the same samples as {first.file}"
-                raise InputError(one.file, f"{known}: it would count twice", "each recording once")
+                raise InputError(one.file, f"{known}: it would count twice", _without(command, one.file))
+
+
+def _without(command: str, file: str) -> str:
+    """The end of an error: the line without the last time that it names a file."""
+    words = shlex.split(command)
+    if file not in words:
+        return "each recording once"
+    last = len(words) - 1 - words[::-1].index(file)
+    return f"try: {shlex.join([*words[:last], *words[last + 1 :]])}"
 
 
 def _columns(recording: Recording) -> list[FloatArray]:
