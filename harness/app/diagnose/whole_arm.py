@@ -211,11 +211,13 @@ def _entry(one: Entry, family: str, likely: Likely) -> EntryResult:
 
 
 def _verdict(told: Sequence[JointFriction], own: Sequence[EntryResult]) -> str:
-    """By the grade of what takes most off; where that takes little, by whether more than the torque's noise is left."""
+    """By the grade of what takes most off; where that takes little, by whether more than the torque's noise is left, of
+    which the base alone leaves more where anything is named.
+    """
     if own and own[0].grade in _VERDICTS:
         return _VERDICTS[own[0].grade]
     quiet = all(one.remainder is not None and one.remainder <= EXPLAINED.value for one in told)
-    return "adequate" if quiet else "unexplained"
+    return "unexplained" if not quiet else "missing_physics" if own else "adequate"
 
 
 def _mechanism(one: EntryResult, seconds: float) -> MechanismResult:
