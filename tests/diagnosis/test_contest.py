@@ -185,6 +185,9 @@ def test_models_that_a_search_in_steps_fitted_are_as_likely_as_their_evidence() 
     # what the search passed by with more evidence was refused, and is no likelier by that
     assert found["magnetic",] / found[pair] == pytest.approx(10.0)
     assert sum(found.values()) == pytest.approx(1.0)
+    # however loud it was
+    loud = of_steps([], 0.0, {("magnetic",): 9000.0}, 10)
+    assert loud == pytest.approx({(): 10.0 / 11.0, ("magnetic",): 1.0 / 11.0})
 
 
 def test_what_is_not_identified_takes_its_share_of_none_and_has_no_name() -> None:

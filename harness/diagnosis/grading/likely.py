@@ -36,8 +36,6 @@ class Chosen:
 def of_steps(steps: Sequence[Chosen], whole: float, others: Mapping[tuple[str, ...], float], choices: int) -> Likely:
     """Which names are missing, of models that a search in steps fitted: each name as likely before as any other.
 
-    What was refused, since what was not fitted does not confirm it, is no likelier than what the search came to.
-
     whole : evidence of all steps together, others : of other models that were fitted. choices : names that there are.
     """
     chosen = tuple(step.name for step in steps)
@@ -50,9 +48,9 @@ def of_steps(steps: Sequence[Chosen], whole: float, others: Mapping[tuple[str, .
         beside = {rest: whole - step.gain, **{(*rest, n): whole - worse for n, worse in step.rivals.items()}}
         sizes |= {names: max(size, sizes.get(names, -math.inf)) for names, size in beside.items()}
     sizes[chosen] = whole
+    # what speaks louder than the model that the search came to was refused, and speaks no louder than that
     prior = 2.0 * math.log(choices)
-    likely = weighed({names: size - prior * len(names) for names, size in sizes.items()})
-    return no_likelier(likely, chosen, choices)
+    return weighed({names: min(size, whole) - prior * len(names) for names, size in sizes.items()})
 
 
 def no_likelier(likely: Likely, chosen: tuple[str, ...], choices: int) -> Likely:
