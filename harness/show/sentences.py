@@ -33,12 +33,22 @@ _SAME = {
 }
 
 
+_ASSUMING = frozenset({"zeta", "x_k"})
+_ASSUMED = (
+    "zeta and x_k are those of viscous and dry friction alone: another law in one trace, or in both at different"
+    " amplitudes, shows as a difference in them too"
+)
+
+
 def compare_sentences(result: CompareResult, limits: Sequence[str]) -> list[str]:
     """What differs, how far, how the clocks were set, and what limits the comparison."""
     name, other = result.traces
     said = []
     if result.verdict != "identical":
-        said += [f"{name} {difference_words(one)}" for one in telling(result.differences)]
+        differing = telling(result.differences)
+        said += [f"{name} {difference_words(one)}" for one in differing]
+        if any(one.what in _ASSUMING for one in differing):
+            said.append(_ASSUMED)
         faster = not result.aligned.scale_applied
         alike = [
             _SAME[one.what] for one in result.differences if not shows(one) and not (faster and one.what == "omega_n")

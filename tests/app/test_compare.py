@@ -23,6 +23,8 @@ from harness.core.recording import Recording
 from harness.core.slider import PAPER, Slider
 from harness.exact.decay import Decay, free_decay
 from harness.io.options import ReadOptions
+from harness.kernels.solve import solve
+from harness.model.model import Model, ModelTerm
 from harness.results import generate
 from harness.results.compare import CompareResult
 from harness.results.run import RunResult
@@ -316,6 +318,20 @@ def test_a_recording_lies_over_a_recording(folder: Path, tmp_path: Path) -> None
         harness.identify(harness.Recording(t, {"x": x}, file=f"{name}.csv"), out=tmp_path / name)
     scene = overlay_scene({name: read_trace(tmp_path / name / "trace.rrd") for name in ("monday", "tuesday")})
     assert [line["name"] for line in curves(scene)["x"]] == ["monday: monday.csv", "tuesday: tuesday.csv"]
+
+
+def test_a_law_in_both_at_two_amplitudes_is_said_to_show_as_friction_that_differs() -> None:
+    """One slider with drag, let go from 80 and from 84 mm: its zeta and x_k are the same, the estimates are not."""
+    t, drag = np.arange(0.0, 9.0, 4e-3), (ModelTerm.named("quadratic-drag", c2=1.5),)
+
+    def swung(x0: float, seed: int) -> Recording:
+        motion, rng = solve(Model(1.0, 0.25, 60.0, 0.35, x0=x0, terms=drag), t), np.random.default_rng(seed)
+        channels = {"x": motion.x + rng.normal(0.0, 2e-5, t.size), "a": motion.a + rng.normal(0.0, 5e-3, t.size)}
+        return Recording(t, channels, f"from-{1e3 * x0:.0f}-mm.csv")
+
+    found = harness.compare(swung(0.08, 0), swung(0.084, 1))
+    assert {"zeta", "x_k"} & {one.what for one in found.differences if (one.significance or 0.0) > 5.0}
+    assert any("are those of viscous and dry friction alone" in one for one in found.sentences)
 
 
 BAD = [
