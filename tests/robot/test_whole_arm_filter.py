@@ -1,6 +1,7 @@
 """The filter against closed forms, noise that is learnt against noise that was made, and the scale of evidence."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,10 +9,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 from scipy.stats import chi2
+from two_joint_arm import ARM
 
 from harness.core.arrays import FloatArray
+from harness.core.robot import JointLog
+from harness.robot.arm import load_arm
 from harness.robot.smooth import Band
 from harness.robot.whole_arm.design import Noise, Stretches, evidence
+from harness.robot.whole_arm.differentiate import differentiate
 
 BAND = Band(15.0, 10_001, 1000.0)
 T = np.arange(BAND.size) / BAND.rate
@@ -52,6 +57,23 @@ def test_means_over_samples_of_a_jump_are_filtered_as_the_jump() -> None:
     error = np.max(np.abs(sharp - means)[out.trimmed])
     assert error < 2.0 * (15.0 / coarse.rate) ** 2
     assert error < 0.5 * np.max(np.abs(sharp - plain)[out.trimmed])
+
+
+def test_the_models_torque_is_that_which_the_filter_makes_of_the_recorded_one(tmp_path: Path) -> None:
+    """Two joints that shake at 8 Hz on a slow way: products of their speeds lie far above the filter's 10 Hz."""
+    (tmp_path / "arm.xml").write_text(ARM)
+    model, t = load_arm(tmp_path / "arm.xml"), np.arange(0.0, 12.0, 0.002)
+    turn, size, phase = np.array([[1.9, 50.0], [2.7, 47.0]]), np.array([[0.6, 0.01], [0.5, 0.015]]), (0.2, 1.1)
+    angle = turn * t[:, None, None] + np.array(phase)
+    waves = [size * one for one in (np.sin(angle), turn * np.cos(angle), -(turn**2) * np.sin(angle))]
+    q, v, a = (np.sum(one, axis=2) for one in waves)
+    torque = model.inverse(q, v, a)
+    position, effort = (dict(zip(model.joints, one.T, strict=True)) for one in (q, torque))
+    filtered = differentiate(JointLog(t, position, effort=effort), model, lowpass=10.0)
+    rigid, of_motion = filtered.rigid(model), model.inverse(filtered.q, filtered.v, filtered.a)
+    off, before = (np.std(one - filtered.torque, axis=0) for one in (rigid, of_motion))
+    assert np.all(off < 0.005 * np.std(filtered.torque, axis=0))
+    assert np.all(off < 0.3 * before)
 
 
 def coloured(size: int, seed: int) -> FloatArray:

@@ -260,8 +260,7 @@ def model_candidates(
     filtered: Filtered, arm: Arm, payload_known: bool, sensor_known: bool, gain_known: bool
 ) -> Iterator[Candidate]:
     """Errors of the model and of the torque's record that stand beside friction."""
-    rigid = arm.inverse(filtered.q, filtered.v, filtered.a)
-    dofs = np.array(filtered.dof)
+    rigid, dofs = filtered.rigid(arm), np.array(filtered.dof)
 
     def error(
         name: str, columns: FloatArray, spread: float | list[float], *numbers: tuple[str, str], of: int | None = None
@@ -271,7 +270,7 @@ def model_candidates(
         return Candidate(name, of, lambda _: own, numbers, np.broadcast_to(spread, len(numbers)))
 
     def changed(other: Arm, step: float) -> FloatArray:
-        return np.asarray((other.inverse(filtered.q, filtered.v, filtered.a) - rigid)[:, dofs] / step)
+        return np.asarray((filtered.rigid(other) - rigid) / step)
 
     def loaded(body: int) -> FloatArray:
         """Torque (m, k, 4) of a load on a body, by its mass and its moments."""
@@ -302,7 +301,7 @@ def model_candidates(
     if seen:
         names = [(arm.joints[own[k]], "m" if arm.slides(arm.joints[own[k]]) else "rad") for k in seen]
         yield error(ZERO, np.stack([shifts[k] for k in seen], axis=2), ZERO_SPREAD.value, *names)
-    late = -np.gradient(rigid[:, dofs], 1.0 / filtered.out.rate, axis=0)[:, :, None]
+    late = -np.gradient(rigid, 1.0 / filtered.out.rate, axis=0)[:, :, None]
     yield error(DELAY, late, DELAY_SPREAD.value, ("delay", "s"))
     if not sensor_known and np.any(arm.armature[dofs] > 0.0):
         unseen = -(arm.armature * filtered.a)[:, dofs, None]
@@ -313,6 +312,6 @@ def model_candidates(
         yield error(SPRING, filtered.q[:, dof : dof + 1], np.inf, ("stiffness", "N m/rad"), of=j)
         yield error(ARMATURE, filtered.a[:, dof : dof + 1], np.inf, ("inertia", "kg m^2"), of=j)
         if not gain_known:
-            yield error(MOTOR, rigid[:, dof : dof + 1], *gain, of=j)
+            yield error(MOTOR, rigid[:, j : j + 1], *gain, of=j)
     if not gain_known:
-        yield error(MOTOR, rigid[:, dofs, None], *gain)
+        yield error(MOTOR, rigid[:, :, None], *gain)

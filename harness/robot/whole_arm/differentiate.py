@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -32,6 +32,8 @@ _NOISES = 3.0
 """Standard deviations of a position that scatters about one place."""
 _OWN = 0.5
 """Share by which what a joint's accelerations before and after say of its turn may be wrong."""
+_WIDE = 2.0
+"""Times f_lowpass: a product of two motions within it has all its frequencies below this."""
 _COLUMNS, _FIT = 9.0, 3.0
 """Samples a second at which columns are formed and at which torque is fitted, in f_lowpass."""
 
@@ -41,14 +43,14 @@ class Filtered:
     """A log after the filter. k joints were logged with effort, the arm has nv.
 
     joints : names (k,). dof : their places in the arm (k,). t (m,) : s. q, v, a (m, nv) : rad or m, per s, per s^2.
-    torque (m, k) : N m or N. temperature (m, k) : degC, nan where it
-    was not logged. good (m,) : away from gaps. band : of the recording. fine : band of t_fine, q_fine, v_fine
-    (M, nv), from which columns are formed. out : band of the m samples before the ends were cut. velocity_noise (k,) :
-    standard deviation of v. position_step (k,) : rad, the encoder's. torque_noise (k,) : what white noise and steps of
-    the recorded torque leave after the filter, N m. acceleration_noise (nv,) : standard deviation of a. rests : by
-    joint, (r, 2), s, from when to when it stayed within its encoder's steps and noise for longer (rule sticks) than its
-    acceleration takes to turn it. seconds : of the log.
-    notes : what was done, one sentence each.
+    torque (m, k) : N m or N. temperature (m, k) : degC, nan where it was not logged. good (m,) : away from gaps. band :
+    of the recording. fine : band of t_fine, q_fine, v_fine (M, nv), from which columns are formed. wide : positions,
+    velocities and accelerations (M, nv) through a filter twice as wide, of which the model's torque is formed. out :
+    band of the m samples before the ends were cut. velocity_noise (k,) : standard deviation of v. position_step (k,) :
+    rad, the encoder's. torque_noise (k,) : what white noise and steps of the recorded torque leave after the filter,
+    N m. acceleration_noise (nv,) : standard deviation of a. rests : by joint, (r, 2), s, from when to when it stayed
+    within its encoder's steps and noise for longer (rule sticks) than its acceleration takes to turn it. seconds : of
+    the log. notes : what was done, one sentence each.
     """
 
     joints: tuple[str, ...]
@@ -66,6 +68,7 @@ class Filtered:
     t_fine: FloatArray
     q_fine: FloatArray
     v_fine: FloatArray
+    wide: tuple[FloatArray, FloatArray, FloatArray]
     velocity_noise: tuple[float, ...]
     position_step: tuple[float, ...]
     torque_noise: tuple[float, ...]
@@ -80,6 +83,11 @@ class Filtered:
         jumps : it does, and its values are means over each sample's step.
         """
         return self.fine.filtered(fine, self.out, means=jumps)[0][self.out.trimmed]
+
+    def rigid(self, arm: Arm) -> FloatArray:
+        """Torque (m, k) of an arm's model: through the filter, as the recorded one went, and not of a motion that went
+        through it, whose products are others."""
+        return self.column(arm.inverse(*self.wide)[:, self.dof])
 
     def sure_speed(self, joint: int) -> float:
         """Speed from which its sign is sure, rad/s."""
@@ -178,14 +186,15 @@ def differentiate(
         still.append(even[np.column_stack((first, last))[longer]])
     position, speed, acceleration = (y[kept] for y in band.filtered(q, out, 2))
     q_fine, v_fine = band.filtered(q, fine, 1)
+    q_wide, v_wide, a_wide = replace(band, lowpass=_WIDE * cut).filtered(q, fine, 2)
     moved = band.filtered(torque, out, late=late)[0][kept]
     unheard = np.full(log.t.size, np.nan)
     warmth = np.stack([np.interp(t[kept], log.t, log.temperature.get(name, unheard)) for name in names], axis=1)
     noises = tuple(_noise_of(y, _quantum(log.effort[name]), rate, cut) for name, y in zip(names, torque.T, strict=True))
     return Filtered(
         names, dof, t[kept], position, speed, acceleration, moved, warmth, good[kept], band, fine, out,
-        even[0] + np.arange(fine.size) / fine.rate, q_fine, v_fine, tuple(speeds), tuple(quanta), noises, bends,
-        tuple(still), seconds, tuple(notes),
+        even[0] + np.arange(fine.size) / fine.rate, q_fine, v_fine, (q_wide, v_wide, a_wide), tuple(speeds),
+        tuple(quanta), noises, bends, tuple(still), seconds, tuple(notes),
     )  # fmt: skip
 
 

@@ -72,7 +72,7 @@ class Problem:
 
 def prepare(filtered: Filtered, arm: Arm, known: Known) -> Problem:
     """The problem of a filtered log whose joints all move."""
-    rigid = arm.inverse(filtered.q, filtered.v, filtered.a)[:, filtered.dof]
+    rigid = filtered.rigid(arm)
     gravity, weight = (
         arm.inverse(q, np.zeros_like(q), np.zeros_like(q))[:, filtered.dof] for q in (filtered.q_fine, filtered.q)
     )
