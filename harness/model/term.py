@@ -23,7 +23,8 @@ class Evidence:
 
     x_scale (m), v_scale (m/s), peak_a (m/s^2): largest values. low, high : smallest and largest position, m.
     f_k, k, omega : of the fitted model (per unit mass where the mass is unknown), omega in rad/s. duration : s.
-    frequencies : angular frequencies (rad/s) at which the residual stands out. knock_times : times (s) worth a look.
+    frequencies : angular frequencies (rad/s) at which the residual stands out; of_friction : at which it does where it
+    turns round with the motion. knock_times : times (s) worth a look.
     periods : of travel (m) at which the force left over stands out, empty where no force is looked at.
     driven : whether a force is recorded. angular : whether the unit of a channel was an angle.
     """
@@ -42,6 +43,7 @@ class Evidence:
     driven: bool = False
     angular: bool = False
     periods: tuple[float, ...] = ()
+    of_friction: FloatArray = field(default_factory=lambda: np.empty(0))
 
 
 Spans: TypeAlias = tuple[tuple[float, float], ...]

@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from benchmarks.draws import robot_joints
 from harness.app.diagnose.many import diagnose
 from harness.app.diagnose.options import DiagnoseOptions, RobotOptions
 from harness.cli.main import run
+from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.core.robot import JointLog
@@ -92,6 +94,20 @@ def test_what_hides_in_a_joint_is_within_what_is_said_and_reversals_are_not_said
     assert 0.02 < float(said[1]) < float(np.max(np.abs(v)))
 
 
+def _led(more: Callable[[FloatArray, FloatArray, FloatArray], FloatArray], noise: float) -> JointLog:
+    """The elbow led along three sines at 250 Hz, with friction .2 N m; more : N m, of time (s), angle and
+    speed; noise : rad."""
+    own, random = reduced(ARM, "elbow", {"shoulder": 0.5}), np.random.default_rng(0)
+    t, w, sizes = np.arange(0.0, 16.0, 4e-3), np.array([[0.9], [2.3], [5.1]]), np.array([[0.5], [0.3], [0.15]])
+    waves = sizes * np.sin(w * t), sizes * w * np.cos(w * t), -sizes * w**2 * np.sin(w * t)
+    q, v, a = (np.sum(one, axis=0) for one in waves)
+    torque = own.moved * a + own.gravity * np.sin(q - own.q_eq) + 0.1 * v + 0.2 * np.sign(v) + more(t, q, v)
+    effort = torque + 2e-3 * random.standard_normal(t.size)
+    seen = q + noise * random.standard_normal(t.size)
+    still = {"base": np.zeros_like(t), "shoulder": np.full_like(t, 0.5)}
+    return JointLog(t, {**still, "elbow": seen}, effort={"elbow": effort}, file="led")
+
+
 def _on_bristles(f_k: float, far: float) -> JointLog:
     """The elbow led along three sines; its friction builds up over a distance, rad, after each reversal."""
     own, random, fine = reduced(ARM, "elbow", {"shoulder": 0.5}), np.random.default_rng(6), 10
@@ -131,6 +147,31 @@ def test_a_friction_that_pulls_more_than_the_inertia_is_named_all_the_same(tmp_p
     result = _diagnosed(_on_bristles(f_k=0.5, far=0.02), tmp_path)
     assert result.mechanisms[0].name == "presliding"
     assert any("Without presliding the fitted inertia" in line for line in result.warnings)
+
+
+@pytest.mark.parametrize("noise", [1e-4, 1e-3])
+def test_what_smoothing_takes_off_a_ripple_is_no_part_of_its_amplitude(tmp_path: Path, noise: float) -> None:
+    """A pass at 1.6 rad/s takes 70 ms over a period of .11 rad, of which smoothing leaves a share alone."""
+    result = _diagnosed(_led(lambda t, q, v: 0.02 * np.cos(2.0 * np.pi * q / 0.11), noise), tmp_path)
+    assert [one.name for one in result.mechanisms] == ["force-ripple"]
+    amplitude, period = (result.mechanisms[0].parameters[name] for name in ("amplitude", "period"))
+    for one, true in ((amplitude, 0.02), (period, 0.11)):
+        assert one.value is not None
+        assert one.stderr is not None
+        assert abs(one.value - true) < 3.0 * one.stderr
+        assert one.stderr < 0.02 * true
+
+
+def test_a_load_that_sways_is_found_by_what_turns_round_with_the_motion(tmp_path: Path) -> None:
+    """Its torque has the frequencies of the motion above and below its own, and not its own."""
+    result = _diagnosed(_led(lambda t, q, v: 0.04 * np.sign(v) * np.cos(3.1 * t), 1e-3), tmp_path)
+    assert [one.name for one in result.mechanisms] == ["normal-load-variation"]
+    depth, omega = (result.mechanisms[0].parameters[name] for name in ("depth", "Omega"))
+    for one, true in ((depth, 0.2), (omega, 3.1)):
+        assert one.value is not None
+        assert one.stderr is not None
+        assert abs(one.value - true) < 3.0 * one.stderr
+        assert one.stderr < 0.01 * true
 
 
 def _swing(f_k: float = 0.03, c: float = 0.05, seed: int = 0, terms: tuple[ModelTerm, ...] = ()) -> JointLog:

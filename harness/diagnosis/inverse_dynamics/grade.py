@@ -2,7 +2,6 @@
 which of them is the main part of what the base model leaves.
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -20,6 +19,7 @@ from harness.diagnosis.inverse_dynamics.left_over import LeftOver
 from harness.diagnosis.inverse_dynamics.protocol import periods
 from harness.diagnosis.inverse_dynamics.strokes import ForceWords, force_words
 from harness.diagnosis.inverse_dynamics.validate import held_out
+from harness.diagnosis.inverse_dynamics.waves import along_travel, in_time
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.problems.measured import Measured
@@ -27,7 +27,6 @@ from harness.diagnosis.rules import CONFIRMED, FORCE_POSTERIOR, GAIN, SHARE_OF_E
 from harness.diagnosis.search.against import in_company
 from harness.diagnosis.search.look import Recorded, within
 from harness.diagnosis.search.screen import direct, screen
-from harness.fit.series import peaks
 from harness.kernels.solve import Scales
 from harness.model.model import Model
 from harness.model.registry import NAMED
@@ -168,8 +167,6 @@ def _looked_at(
 
 
 _SLOTS = frozenset({Slot.SMOOTH, Slot.FRICTION_LAW, Slot.FRICTION_LEVEL, Slot.FRICTION_MODULATION, Slot.INTERNAL})
-_PEAKS = 24
-"""Frequencies of the force left over at which a law that repeats in time is tried."""
 
 
 def sayable(term: Term) -> bool:
@@ -180,12 +177,6 @@ def sayable(term: Term) -> bool:
 def seen_in(found: Fit, problem: InverseDynamics, scales: Scales) -> Evidence:
     """What the laws choose their starts from: the recorded motion, and frequencies at which the residual stands out."""
     measured = problem.measured
-    every = np.zeros(measured.moving.size)
-    every[measured.moving] = found.residual
-    times = measured.t.reshape(measured.moving.size, -1).mean(axis=1)
-    step = float(np.median(np.diff(times)))
-    power = np.abs(np.fft.rfft(every * np.hanning(every.size), 4 * every.size)) ** 2
-    tops = peaks(power)[:_PEAKS]
     x, v = measured.x, measured.v
     return Evidence(
         x_scale=float(np.max(np.abs(x))),
@@ -197,19 +188,26 @@ def seen_in(found: Fit, problem: InverseDynamics, scales: Scales) -> Evidence:
         k=found.model.k,
         omega=scales.omega,
         duration=float(measured.t[-1] - measured.t[0]),
-        frequencies=np.asarray(2.0 * math.pi * tops / (4.0 * every.size * step), dtype=np.float64),
+        frequencies=in_time(problem, found.residual, of_friction=False),
+        of_friction=in_time(problem, found.residual, of_friction=True),
         knock_times=np.empty(0),
         driven=True,
         angular=problem.angular,
-        periods=tuple(_periods(found, measured)),
+        periods=tuple(_periods(found, problem)),
     )
 
 
-def _periods(found: Fit, measured: Measured) -> list[float]:
-    """Periods over the travel at which the force left over stands out, at the full rate: a fast pass has its ripple."""
+def _periods(found: Fit, problem: InverseDynamics) -> list[float]:
+    """Periods over the travel at which the force left over stands out.
+
+    Where noise does not weigh it at the full rate too: a fast pass has its ripple.
+    """
+    measured, shown = problem.measured, along_travel(problem, found.residual)
+    if problem.by_noise:
+        return shown
     left = measured.u - measured.needed(found.model)
     moving = np.repeat(measured.moving, measured.t.size // measured.moving.size)
-    return periods(measured.x[moving], left[moving])
+    return [*shown, *periods(measured.x[moving], left[moving])]
 
 
 def whole_in(model: Model, measured: Measured) -> bool:

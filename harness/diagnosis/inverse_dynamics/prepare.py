@@ -17,7 +17,7 @@ from harness.core.recording import Recording
 from harness.diagnosis.covariates.following import enter
 from harness.diagnosis.covariates.values import Acting, values_in
 from harness.diagnosis.fit.standard_errors import base_parameters, unit_of
-from harness.diagnosis.inverse_dynamics.search import force_baseline, moving, nearest
+from harness.diagnosis.inverse_dynamics.search import force_baseline, moving, nearest, unseen_mass
 from harness.diagnosis.prepare.driven import forced_problem
 from harness.diagnosis.prepare.free_decay import in_common
 from harness.diagnosis.prepare.intersample import ACTS_HELD, held
@@ -74,12 +74,10 @@ def with_unseen_mass(problem: InverseDynamics) -> InverseDynamics:
     """
     if not problem.mass_names:
         return problem
-    (base, scales), measured = force_baseline(problem), problem.measured
-    a = float(np.sqrt(np.mean(measured.blocks(measured.a) ** 2)))
-    if a <= 0.0:
+    (base, scales), best = force_baseline(problem), nearest(problem)
+    mass = unseen_mass(best, problem)
+    if mass == 0.0:
         return problem
-    best = nearest(problem)
-    mass = MASS_UNSEEN.value * float(np.sqrt(np.mean(best.residual**2))) / a
     of, unit = "inertia" if problem.angular else "mass", unit_of("kg", problem)
     if best.model.m < mass:
         why = f"The force does not show the {of}"

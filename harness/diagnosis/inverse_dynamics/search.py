@@ -37,6 +37,7 @@ from harness.diagnosis.rules import (
     AMONG_NAMES,
     DECISIVE,
     FORCE_HELD,
+    MASS_UNSEEN,
     MISSES_MORE,
     MOST_FORCE_TERMS,
     MOVES,
@@ -84,7 +85,17 @@ def nearest(problem: InverseDynamics) -> Fit:
 
 def _nearest(problem: InverseDynamics) -> Fit:
     base, scales = force_baseline(problem)
-    return min((base, *with_one_more(scales, base, problem, HASTY)), key=lambda found: found.chi2)
+    # from no mass at all no descent comes to one
+    least = unseen_mass(base, problem) if problem.mass_names else 0.0
+    begun = replace(base, model=replace(base.model, m=max(base.model.m, least)))
+    return min((base, *with_one_more(scales, begun, problem, HASTY)), key=lambda found: found.chi2)
+
+
+def unseen_mass(found: Fit, problem: InverseDynamics) -> float:
+    """The mass, kg, that accelerates with less force than any fit could tell; 0 where nothing accelerates."""
+    measured = problem.measured
+    a = float(np.sqrt(np.mean(measured.blocks(measured.a) ** 2)))
+    return MASS_UNSEEN.value * float(np.sqrt(np.mean(found.residual**2))) / a if a > 0.0 else 0.0
 
 
 def under_noise(problem: Q) -> Q:

@@ -10,7 +10,7 @@ from harness.core.arrays import FloatArray, IntArray
 from harness.core.events import Events
 from harness.core.recording import Recording
 from harness.diagnosis.problem import Observation, Problem
-from harness.diagnosis.problems.asked import Path, asked
+from harness.diagnosis.problems.asked import asked
 from harness.diagnosis.starts import Starts, Windows
 from harness.kernels.solve import By, Effort, Scales
 from harness.model.model import Model, Restoring
@@ -35,8 +35,7 @@ class Curve(Problem):
     def shows(self, model: Model, by: tuple[By, ...], scales: Scales | None, effort: Effort) -> Observation:
         """The force that a model asks for, at speeds that do not change."""
         still = np.zeros(self.t.size)
-        path = Path(self.t, still, self.v, still, self.covariates, np.ones(self.t.size, dtype=np.bool_))
-        force, partials = asked(model, path, by)
+        force, partials = asked(model, self.t, still, self.v, still, self.covariates, by)
         mode = np.sign(self.v).astype(np.int8)
         return Observation({"u": force}, {"u": partials}, still, self.v, still, mode, Events())
 

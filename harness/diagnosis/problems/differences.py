@@ -21,6 +21,17 @@ def sloped(t: FloatArray) -> csr_array:
     return csr_array(diags_array([below, main, above], offsets=[-1, 0, 1]))
 
 
+def spanned(t: FloatArray, of: str) -> csr_array:
+    """What the differences of a motion at times t (n,), s, show of a force that is known there, (n, n): of "x" two, of
+    "v" one, each a mean over the intervals that it spans."""
+    width = np.diff(t)
+    own = np.concatenate(([0.0], width)) + np.concatenate((width, [0.0]))
+    before, after = np.concatenate(([0.0], width)) / own, np.concatenate((width, [0.0])) / own
+    main, below, above = (before + after) / 2.0, before[1:] / 2.0, after[:-1] / 2.0
+    once = csr_array(diags_array([below, main, above], offsets=[-1, 0, 1]))
+    return once if of == "v" else csr_array(once @ once)
+
+
 def felt(drive: Drive, t: FloatArray, of: str) -> FloatArray:
     """The force (n,), N, as the differences of a motion at times t (n,), s, show it: of "x" two, of "v" one."""
     usual = float(np.mean(drive.u))

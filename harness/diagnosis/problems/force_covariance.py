@@ -14,7 +14,7 @@ from scipy.linalg import LinAlgError, cholesky_banded, solve_banded
 from scipy.optimize import minimize
 from scipy.sparse import csr_array, eye_array
 
-from harness.core.arrays import BoolArray, FloatArray, IntArray
+from harness.core.arrays import FloatArray
 from harness.diagnosis.problems.differences import sloped
 from harness.diagnosis.problems.measured import Measured
 from harness.model.model import Model
@@ -91,10 +91,20 @@ def white(factor: FloatArray, values: FloatArray) -> FloatArray:
     return np.asarray(solve_banded((factor.shape[0] - 1, 0), factor, values))
 
 
+def white_backwards(factor: FloatArray, values: FloatArray) -> FloatArray:
+    """Values (m,) through the inverse of the transpose of a factor."""
+    widest = factor.shape[0] - 1
+    upper = np.zeros_like(factor)
+    for d in range(factor.shape[0]):
+        upper[widest - d, d:] = factor[d, : factor.shape[1] - d]
+    return np.asarray(solve_banded((0, widest), upper, values))
+
+
 def _of_units(seen: Measured, base: Model) -> tuple[csr_array, csr_array]:
     """Covariances (m, m) of the means that count of the force that a base model asks for: by noise of unit variance of
     the position, or speed, that is differentiated, and of the recorded force."""
-    mean, slope, same = _means(seen.moving, seen.half), sloped(seen.t), eye_array(seen.t.size)
+    (passed,) = seen.filters
+    mean, slope, same = passed.noise[np.flatnonzero(seen.moving)], sloped(seen.t), eye_array(seen.t.size)
     of_place = base.m * slope @ slope + base.c * slope + base.k * same
     asked = mean @ (base.m * slope + base.c * same if seen.by == "v" else of_place)
     return csr_array(asked @ asked.T), csr_array(mean @ mean.T)
@@ -110,26 +120,3 @@ def _bands(covariance: csr_array, left: float) -> FloatArray:
     np.add.at(bands, (row - column, column), value)
     bands[0] += left**2
     return bands
-
-
-def _smoothing(half: IntArray) -> csr_array:
-    """Local cubics over so many even samples to either side (Savitzky and Golay 1964), (n, n)."""
-    n, rows, columns, weights = half.size, list[IntArray](), list[IntArray](), list[FloatArray]()
-    for h in np.unique(half):
-        at, j = np.flatnonzero(half == h), np.arange(-h, h + 1)
-        of_cubic = (
-            3.0 * (3.0 * h * (h + 1.0) - 1.0 - 5.0 * j**2) / ((2.0 * h - 1.0) * (2.0 * h + 1.0) * (2.0 * h + 3.0))
-        )
-        rows.append(np.repeat(at, j.size))
-        columns.append((at[:, None] + j).ravel())
-        weights.append(np.tile(of_cubic, at.size))
-    row, column, weight = (np.concatenate(part) for part in (rows, columns, weights))
-    inside = (column >= 0) & (column < n)
-    return csr_array((weight[inside], (row[inside], column[inside])), shape=(n, n))
-
-
-def _means(counts: BoolArray, half: IntArray) -> csr_array:
-    """What is smoothed, as means over those of its blocks (b,) that count, (m, n)."""
-    at, block = np.arange(half.size), half.size // counts.size
-    mean = csr_array((np.full(half.size, 1.0 / block), (at // block, at)), shape=(counts.size, half.size))
-    return mean[np.flatnonzero(counts)] @ _smoothing(half)

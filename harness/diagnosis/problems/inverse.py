@@ -18,7 +18,7 @@ from harness.core.arrays import BoolArray, FloatArray, ModeArray
 from harness.core.events import Events
 from harness.diagnosis.problem import Observation
 from harness.diagnosis.problems.driven import Driven, Forced
-from harness.diagnosis.problems.force_covariance import ForceCovariance, white
+from harness.diagnosis.problems.force_covariance import ForceCovariance, white, white_backwards
 from harness.diagnosis.problems.measured import Measured
 from harness.diagnosis.rules import STRUCTURE
 from harness.diagnosis.starts import Windows
@@ -89,6 +89,13 @@ class InverseDynamics(Forced):
             share = 1.0 - 1.0 / math.sqrt(1.0 + size * self.precision**2)
             even = even - np.multiply.outer(late, share / size * (late @ even))
         return {"u": even * self.unit}
+
+    def counted(self, residual: FloatArray) -> FloatArray:
+        """What a force at each sample (n,) counts in a whitened residual (m,): through noise and filter backwards."""
+        values = residual
+        if self.by_noise and self.covariance is not None:
+            values = white_backwards(self.once(_factor), values)
+        return self.measured.counted(self.measured.even(values))
 
     @property
     def by_noise(self) -> bool:

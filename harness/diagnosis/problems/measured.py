@@ -1,7 +1,7 @@
 """The motion and the force of a driven recording, made ready for inverse dynamics."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -10,10 +10,11 @@ from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.errors import SimulationError
 from harness.diagnosis.parameters import in_recording
 from harness.diagnosis.problem import Problem
-from harness.diagnosis.problems.asked import Path, asked, given_force
+from harness.diagnosis.problems.asked import asked, given_force
 from harness.diagnosis.problems.differences import felt, sloped
 from harness.diagnosis.problems.driven import Forced
-from harness.diagnosis.smoothed_state.local_cubics import Smooth, inner, longest_interval, smoothed, smoothed_alike
+from harness.diagnosis.problems.filtered import Filter
+from harness.diagnosis.smoothed_state.local_cubics import Smooth, inner, longest_interval, smoothed, smoothing
 from harness.diagnosis.smoothed_state.state import state_of
 from harness.kernels.solve import By
 from harness.model.model import Model
@@ -65,6 +66,7 @@ class Measured:
     widest: Mapping[str, int] = field(default_factory=dict)
     half: IntArray = field(default_factory=lambda: np.empty(0, np.int64))
     by: str = "x"
+    filters: tuple[Filter, ...] = ()
 
     @classmethod
     def of(cls, problem: Forced, other: "Measured | None" = None) -> "Measured":
@@ -86,8 +88,10 @@ class Measured:
         by = _telling(smooth) if other is None else other.by
         half = smooth[by].half
 
+        cubics = smoothing(t, longest, half)
+
         def alike(y: FloatArray) -> FloatArray:
-            return smoothed_alike(t, y, longest, half)
+            return np.asarray(cubics @ y)
 
         x = alike(problem.channels["x"]) if "x" in smooth else state_of(t, smooth)[0]
         slope = problem.channels["v"] if by == "v" else sloped(t) @ problem.channels["x"]
@@ -107,15 +111,16 @@ class Measured:
         slides = ~at_rest[:kept].reshape(-1, BLOCK)
         whole = np.max(np.diff(t[:kept].reshape(-1, BLOCK), axis=1), axis=1) <= longest
         # two differences at the ends of a stretch are one-sided
-        central = inner(t, longest, half + 2)[:kept].reshape(-1, BLOCK)
+        central = inner(t[:kept], longest, half[:kept] + 2).reshape(-1, BLOCK)
         moving = whole & np.all(slides & central, axis=1)
         if np.count_nonzero(moving) < BLOCK:
             raise SimulationError("the slider hardly moves")
         given = {name: alike(y)[:kept] for name, y in problem.covariates.items()}
+        passed = Filter.of(cubics[:kept, :kept], t[:kept], by, slope[:kept], BLOCK)
         chosen = {c: one.widest for c, one in smooth.items()}
         return cls(
             t[:kept], x[:kept], v[:kept], a[:kept], u[:kept], moving, given, stands=stands, widest=chosen,
-            half=half[:kept], by=by,
+            half=half[:kept], by=by, filters=(passed,),
         )  # fmt: skip
 
     @classmethod
@@ -136,19 +141,23 @@ class Measured:
             laid=laid,
             level=np.repeat(problem.levels, [one.moving.size for one in each]),
             half=np.concatenate([one.half for one in each]),
+            by=each[0].by,
+            filters=tuple(passed for one in each for passed in one.filters),
         )
 
     @property
     def each(self) -> tuple["Measured", ...]:
         """Every recording by itself, on its own clock."""
-        return tuple(self._one(own) for own in self.laid) or (self,)
+        return tuple(self._one(r, own) for r, own in enumerate(self.laid)) or (self,)
 
-    def _one(self, own: "Laid") -> "Measured":
+    def _one(self, r: int, own: "Laid") -> "Measured":
         at = own.samples
         blocks = slice(at.start // BLOCK, at.stop // BLOCK)
         t, x, v, a, u = (y[at] for y in (self.t, self.x, self.v, self.a, self.u))
         given = {name: values[at] for name, values in self.covariates.items()}
-        return Measured(t - own.clock, x, v, a, u, self.moving[blocks], given, half=self.half[at])
+        return Measured(
+            t - own.clock, x, v, a, u, self.moving[blocks], given, half=self.half[at], filters=self.filters[r : r + 1]
+        )
 
     @property
     def begins(self) -> tuple[int, ...]:
@@ -164,34 +173,52 @@ class Measured:
 
     def blocks(self, y: FloatArray) -> FloatArray:
         """Means of y (n,) or (n, q) over the blocks that count."""
-        return self.path.means(y)
+        found: FloatArray = y.reshape(self.moving.size, y.shape[0] // self.moving.size, *y.shape[1:]).mean(axis=1)
+        return found[self.moving]
+
+    def seen(self, forces: FloatArray) -> FloatArray:
+        """Forces at the samples (n, q), N, as they are fitted, (m, q): through the filter of the recorded one."""
+        return np.asarray(np.concatenate([of.blocks.of @ forces[at] for of, at in self._passed])[self.moving])
+
+    def counted(self, values: FloatArray) -> FloatArray:
+        """The other way round: what a force at each sample (n,) counts in a weighed sum of those that are fitted."""
+        every = np.zeros(self.moving.size)
+        every[self.moving] = values
+        size = self.t.size // every.size
+        parts = ((of.blocks.of, every[at.start // size : at.stop // size]) for of, at in self._passed)
+        return np.asarray(np.concatenate([of.T @ part for of, part in parts]))
 
     @property
-    def path(self) -> Path:
-        """The motion, and which blocks of it count."""
-        return Path(self.t, self.x, self.v, self.a, self.covariates, self.moving)
+    def _passed(self) -> Iterator[tuple[Filter, slice]]:
+        """The filter and the samples of each recording; of one that was not smoothed means alone."""
+        size = self.t.size // self.moving.size
+        for r, at in enumerate([own.samples for own in self.laid] or [slice(0, self.t.size)]):
+            yield self.filters[r] if self.filters else Filter.none(at.stop - at.start, size), at
 
     def asked(self, model: Model, by: tuple[By, ...] = ()) -> tuple[FloatArray, FloatArray]:
         """Force (m,), N, that a model needs for this motion, mean over the blocks that count, and its partials (m, q).
 
         by : the numbers whose partials are wanted.
         """
-        if not self.laid:
-            return asked(model, self.path, by)
-        found = [
-            asked(model.of_recording(r), one.path, tuple(in_recording(number, model, r) for number in by))
-            for r, one in enumerate(self.each)
-        ]
-        return np.concatenate([force for force, _ in found]), np.concatenate([partials for _, partials in found])
+        found = [of.blocks.asked(*one) for of, one in self._needed_by(model, by)]
+        force, partials = (np.concatenate(each) for each in zip(*found, strict=True))
+        return force[self.moving], partials[self.moving]
 
     def needed(self, model: Model) -> FloatArray:
         """Force (n,), N, that a model needs for this motion."""
-        if not self.laid:
-            return given_force(model, self.t, self.x, self.v, self.a, self.covariates)
-        models = (model.of_recording(r) for r in range(len(self.laid)))
-        return np.concatenate(
-            [given_force(here, o.t, o.x, o.v, o.a, o.covariates) for here, o in zip(models, self.each, strict=True)]
-        )
+        return np.concatenate([of.samples.asked(*one)[0] for of, one in self._needed_by(model, ())])
+
+    def _needed_by(
+        self, model: Model, by: tuple[By, ...]
+    ) -> Iterator[tuple[Filter, tuple[Model, FloatArray, FloatArray, tuple[By | None, ...]]]]:
+        """Of each recording the filter, its own model, what that needs at the samples, and its numbers there."""
+        for r, (of, at) in enumerate(self._passed):
+            here = model.of_recording(r) if self.laid else model
+            numbers = tuple(in_recording(number, model, r) for number in by) if self.laid else by
+            clock = self.laid[r].clock if self.laid else 0.0
+            given = {name: values[at] for name, values in self.covariates.items()}
+            motion = self.t[at] - clock, self.x[at], self.v[at], self.a[at]
+            yield of, (here, *asked(here, *motion, given, numbers), numbers)
 
     @property
     def late(self) -> FloatArray:

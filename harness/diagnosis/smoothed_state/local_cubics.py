@@ -7,6 +7,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import csr_array
 from scipy.special import chdtri
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray, read_only
@@ -219,10 +220,47 @@ def _halves(t: FloatArray, y: FloatArray, first: IntArray, last: IntArray, wides
     return halves
 
 
-def smoothed_alike(t: FloatArray, y: FloatArray, longest: float, half: IntArray) -> FloatArray:
-    """Another channel (n,) through the cubics of these half widths (n,), so that both have passed the same filter."""
+def _weights(
+    t: FloatArray, first: IntArray, last: IntArray, half: IntArray, columns: IntArray, weights: FloatArray
+) -> None:
+    """What each sample (w,) in a row of ``columns`` (n, w) counts in the cubic around every sample of t (n,).
+
+    weights (n, w) : of the value there; zero beyond its window.
+    """
+    moments, lower, pivots, by_value = np.empty(7), np.empty((4, 4)), np.empty(4), np.empty(4)
+    for i in range(t.size):
+        reach = half[i]
+        lo, hi = max(i - reach, first[i]), min(i + reach + 1, last[i])
+        lo, hi = max(min(lo, hi - 2 * reach - 1), first[i]), min(max(hi, lo + 2 * reach + 1), last[i])
+        width = max(t[hi - 1] - t[i], t[i] - t[lo])
+        rate = 1.0 / width if width > 0.0 else 0.0
+        count = min(4, hi - lo)
+        moments[:], by_value[:] = 0.0, 0.0
+        by_value[0] = 1.0
+        for n in range(lo, hi):
+            s, power = rate * (t[n] - t[i]), 1.0
+            for k in range(7):
+                moments[k] += power
+                power *= s
+        _compiled_factored(moments, count, lower, pivots)
+        _compiled_solved(lower, pivots, count, by_value)
+        for n in range(lo, hi):
+            s = rate * (t[n] - t[i])
+            columns[i, n - lo] = n
+            weights[i, n - lo] = by_value[0] + s * (by_value[1] + s * (by_value[2] + s * by_value[3]))
+
+
+_compiled_weights = compiled(_weights)
+
+
+def smoothing(t: FloatArray, longest: float, half: IntArray) -> csr_array:
+    """The cubics of these half widths (n,) as a filter (n, n), through which other channels pass as the first did."""
     first, last = stretches(t, longest)
-    return local(t, y, first, last, np.arange(t.size), half)[:, 0]
+    wide = 2 * int(np.max(half)) + 1
+    columns, weights = np.zeros((t.size, wide), dtype=np.int64), np.zeros((t.size, wide))
+    _compiled_weights(read_only(t), first, last, read_only(half), columns, weights)
+    rows, there = np.repeat(np.arange(t.size), wide), weights.ravel() != 0.0
+    return csr_array((weights.ravel()[there], (rows[there], columns.ravel()[there])), shape=(t.size, t.size))
 
 
 def _times(a: FloatArray, b: FloatArray, out: FloatArray) -> None:

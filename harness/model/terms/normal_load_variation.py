@@ -21,7 +21,7 @@ def law(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray
 
 def probes(e: Evidence) -> list[Probe]:
     """Frequencies worth a look: load and friction multiply, so sidebands of the slider's own are among them."""
-    return [(0.0, float(omega), phase) for omega in e.frequencies for phase in (0.0, -0.5 * math.pi)]
+    return [(0.0, float(omega), phase) for omega in (*e.of_friction, *e.frequencies) for phase in (0.0, -0.5 * math.pi)]
 
 
 TERM = Term(
