@@ -63,6 +63,7 @@ from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search, under
 from harness.diagnosis.stages import Based, Found, Judged
 from harness.diagnosis.tables.step import with_force_tables, with_tables
+from harness.diagnosis.tables.unnamed import beside_curves
 from harness.diagnosis.verdict import judge as verdict_of
 from harness.diagnosis.verdict import weighed
 from harness.kernels.solve import Scales
@@ -184,6 +185,7 @@ def judge(found: Found) -> Judged:
             if judgement.verdict == "missing_physics":
                 note = f"the first {left_out:.4g} s, up to the first turning point, took no part"
                 return Judged(_instead(found, pair, scales, *([note] if left_out > 0.0 else [])), judgement)
+    graded = beside_curves(graded)
     return Judged(found, verdict_of(found.search, graded), graded)
 
 

@@ -1,9 +1,11 @@
 """One large omission among small ones: graded by share, evidence in words, distance to every other, and prediction."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from harness.core.arrays import FloatArray
 from harness.core.errors import InputError
@@ -19,7 +21,9 @@ from harness.diagnosis.outcome import Grade
 from harness.diagnosis.parameters import free_of
 from harness.diagnosis.pipeline import fit_base, search
 from harness.diagnosis.problems.free_decay import FreeDecay
+from harness.diagnosis.residual_tests.structure import UNNAMED
 from harness.diagnosis.rules import BEGINS_ALIKE, GAIN, SAME_CLOCK, SHARE_OF_MISFIT
+from harness.diagnosis.tables.unnamed import beside_curves
 from harness.estimate.noise import Noise
 from harness.kernels.solve import Scales, simulate
 from harness.model.model import Model, ModelTerm
@@ -58,6 +62,26 @@ def test_drag_is_the_main_effect_among_small_ones(graded: Graded) -> None:
     assert first.name == "quadratic-drag"
     assert first.fit.model.terms[0].value("c2") == pytest.approx(0.25, rel=0.1)
     assert 0.6 < first.share < 1.0
+
+
+def test_a_main_effect_stands_beside_any_smooth_curve(graded: Graded) -> None:
+    assert [f.name for f in beside_curves(graded).named] == ["quadratic-drag"]
+
+
+def test_a_dent_in_a_spring_is_a_curve_of_no_name() -> None:
+    """A push at one place of the way, half as strong as the spring there; of the catalogue a ripple says most of it."""
+
+    def law(t: float, state: FloatArray) -> list[float]:
+        x, v = state
+        return [v, -40.0 * x - 0.12 * v - 2.0 * math.exp(-(((x - 0.1) / 0.1) ** 2))]
+
+    problem = problem_of(solve_ivp(law, (0.0, T[-1]), (0.3, 0.0), rtol=1e-8, atol=1e-11, t_eval=T).y[0])
+    alone = grade(misfit(problem, *baseline(problem)))
+    assert alone.grade is Grade.MAIN
+    beside = beside_curves(alone)
+    assert beside.grade not in (Grade.MAIN, Grade.ONE_OF)
+    assert next(iter(beside.posterior)) == UNNAMED
+    assert sum(beside.posterior.values()) == pytest.approx(1.0)
 
 
 def test_a_law_bent_beyond_its_name_is_no_rival(graded: Graded) -> None:

@@ -64,7 +64,7 @@ def margin_of(words: float) -> float:
     return max(MARGIN.value, words * math.log(LEAST_RATIO.value))
 
 
-def evidence(before: float, after: float, words: float, parameters: int, cells: float) -> float:
+def evidence(before: float, after: float, words: float, parameters: float, cells: float) -> float:
     """What a model that leaves ``after`` of the squares ``before`` gains in evidence, twice a log likelihood.
 
     W ln(before/after) - q ln W - ln(cells): the Bayesian information criterion of W values whose variance is unknown

@@ -176,12 +176,12 @@ C = TypeVar("C", bound=Contest)
 
 
 def answered(likely: Mapping[str, float]) -> tuple[Grade | None, tuple[str, ...]]:
-    """What probabilities of each name, and of none under "", come to: a main effect, a list that most likely holds it.
+    """What probabilities of each name, of none under "" and of a curve of no name come to.
 
-    None without names where neither is said.
+    A main effect, or a list that most likely holds it; None without names where neither is said.
     """
-    ranked = sorted((one for one in likely.items() if one[0]), key=lambda one: -one[1])
-    any_name = 1.0 - likely[""]
+    ranked = sorted((one for one in likely.items() if one[0] not in ("", UNNAMED)), key=lambda one: -one[1])
+    any_name = sum(p for _, p in ranked)
     if not ranked or any_name < LISTED_FROM.value:
         return None, ()
     (first, p), *others = ranked

@@ -9,6 +9,8 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from scipy import special
+
 from harness.core.cores import each
 from harness.core.errors import SimulationError
 from harness.diagnosis.fit.model_fit import Fit, fit
@@ -20,6 +22,7 @@ from harness.diagnosis.grading.prediction import Predicted, free_run, held_out
 from harness.diagnosis.outcome import Grade
 from harness.diagnosis.parameters import base_of
 from harness.diagnosis.problem import Problem
+from harness.diagnosis.residual_tests.structure import UNNAMED
 from harness.diagnosis.rules import DECISIVE, POSTERIOR, TAKEN, Weights
 from harness.diagnosis.search.against import in_company
 from harness.diagnosis.search.extend import extend
@@ -36,9 +39,24 @@ _FIRST = 4
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Graded(Contest):
-    """What a misfit comes to; the first name's fit is the best model found."""
+    """What a misfit comes to; the first name's fit is the best model found.
+
+    ahead : by how much more than a margin the evidence of a smooth curve of no name, of the position or of the speed
+    alone, is above the first name's.
+    """
 
     misfit: Misfit
+    ahead: float = -math.inf
+
+    @property
+    def posterior(self) -> dict[str, float]:
+        """See Contest; a curve of no name has its part of what the names have, as its evidence beside theirs says."""
+        likely = super(Graded, self).posterior
+        named, share = 1.0 - likely[""], float(special.expit(0.5 * self.ahead))
+        if not share:
+            return likely
+        each = {name: p * (1.0 - share if name else 1.0) for name, p in likely.items()} | {UNNAMED: share * named}
+        return dict(sorted(each.items(), key=lambda one: -one[1]))
 
     @property
     def words(self) -> float:

@@ -66,10 +66,14 @@ class Misfit:
 
         A word is said over many samples, over which noise averages out: what it leaves beside the words is taken off.
         """
+        return self.evidence_by(one.chi2, len(one.free) - len(self.base.free), noise, cells)
+
+    def evidence_by(self, squares: float, more: float, noise: Mapping[str, Noise], cells: float = 1.0) -> float:
+        """The same of a fit with so many numbers more that leaves so many squares."""
         beside = sum(self._left_by(c, n) * (1.0 - self._in_words(c, n)) for c, n in noise.items())
         least = self.floor(noise)
-        before, left = (max(found.chi2, least) - beside for found in (self.base, one))
-        return evidence(before, left, self.words, len(one.free) - len(self.base.free), cells)
+        before, left = (max(size, least) - beside for size in (self.base.chi2, squares))
+        return evidence(before, left, self.words, more, cells)
 
     def _left_by(self, channel: str, noise: Noise) -> float:
         """What a channel's noise leaves of chi-square."""
