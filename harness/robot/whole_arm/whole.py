@@ -197,7 +197,9 @@ class _Told:
             for key, gain in solved.model.alone.items()
         }
         names = len(solved.first.candidates) + len(self.filtered.joints) * len(AT_REVERSALS)
-        likely = of_steps([Chosen(one.label, one.bic, one.worse) for one in entries], sum(sizes), others, names)
+        # beside the first effects of a real arm the others still counted as noise: what the end loses without each
+        whole = max(sum(sizes), sum(one.bic for one in entries))
+        likely = of_steps([Chosen(one.label, one.bic, one.worse) for one in entries], whole, others, names)
         return beside_other_forms(likely, sum(gains)) if entries else likely
 
     def _one_by_one(self) -> dict[str, float]:
