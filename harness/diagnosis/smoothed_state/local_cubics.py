@@ -80,6 +80,31 @@ def _solved(lower: FloatArray, pivots: FloatArray, count: int, b: FloatArray) ->
 _compiled_solved = compiled(_solved)
 
 
+def _around(
+    t: FloatArray, first: int, last: int, i: int, reach: int, moments: FloatArray, lower: FloatArray, pivots: FloatArray
+) -> tuple[int, int, float]:
+    """The window from .. to around sample i of a stretch, so many samples to either side, and one over its width, 1/s.
+
+    moments (7,), lower (4, 4), pivots (4,) : filled with those of the cubic over it, factored.
+    """
+    lo, hi = max(i - reach, first), min(i + reach + 1, last)
+    # a full width at the ends too, off centre
+    lo, hi = max(min(lo, hi - 2 * reach - 1), first), min(max(hi, lo + 2 * reach + 1), last)
+    width = max(t[hi - 1] - t[i], t[i] - t[lo])
+    rate = 1.0 / width if width > 0.0 else 0.0
+    moments[:] = 0.0
+    for n in range(lo, hi):
+        s, power = rate * (t[n] - t[i]), 1.0
+        for k in range(moments.size):
+            moments[k] += power
+            power *= s
+    _compiled_factored(moments, min(_TERMS, hi - lo), lower, pivots)
+    return lo, hi, rate
+
+
+_compiled_around = compiled(_around)
+
+
 def _local(
     t: FloatArray, y: FloatArray, first: IntArray, last: IntArray, at: IntArray, half: IntArray, out: FloatArray
 ) -> None:
@@ -91,23 +116,15 @@ def _local(
     c, by_value, by_slope = np.empty(4), np.empty(4), np.empty(4)
     for j in range(at.size):
         i = at[j]
-        reach = half[i]
-        lo, hi = max(i - reach, first[i]), min(i + reach + 1, last[i])
-        # a full width at the ends too, off centre
-        lo, hi = max(min(lo, hi - 2 * reach - 1), first[i]), min(max(hi, lo + 2 * reach + 1), last[i])
-        width = max(t[hi - 1] - t[i], t[i] - t[lo])
-        rate = 1.0 / width if width > 0.0 else 0.0
-        count = min(4, hi - lo)
-        moments[:], c[:], by_value[:], by_slope[:] = 0.0, 0.0, 0.0, 0.0
+        lo, hi, rate = _compiled_around(t, first[i], last[i], i, half[i], moments, lower, pivots)
+        count = min(_TERMS, hi - lo)
+        c[:], by_value[:], by_slope[:] = 0.0, 0.0, 0.0
         by_value[0] = by_slope[1] = 1.0
         for n in range(lo, hi):
             s, power = rate * (t[n] - t[i]), 1.0
-            for k in range(7):
-                moments[k] += power
-                if k < count:
-                    c[k] += power * (y[n] - y[i])
+            for k in range(count):
+                c[k] += power * (y[n] - y[i])
                 power *= s
-        _compiled_factored(moments, count, lower, pivots)
         for b in (c, by_value, by_slope):
             _compiled_solved(lower, pivots, count, b)
         left = 0.0
@@ -229,21 +246,10 @@ def _weights(
     """
     moments, lower, pivots, by_value = np.empty(7), np.empty((4, 4)), np.empty(4), np.empty(4)
     for i in range(t.size):
-        reach = half[i]
-        lo, hi = max(i - reach, first[i]), min(i + reach + 1, last[i])
-        lo, hi = max(min(lo, hi - 2 * reach - 1), first[i]), min(max(hi, lo + 2 * reach + 1), last[i])
-        width = max(t[hi - 1] - t[i], t[i] - t[lo])
-        rate = 1.0 / width if width > 0.0 else 0.0
-        count = min(4, hi - lo)
-        moments[:], by_value[:] = 0.0, 0.0
+        lo, hi, rate = _compiled_around(t, first[i], last[i], i, half[i], moments, lower, pivots)
+        by_value[:] = 0.0
         by_value[0] = 1.0
-        for n in range(lo, hi):
-            s, power = rate * (t[n] - t[i]), 1.0
-            for k in range(7):
-                moments[k] += power
-                power *= s
-        _compiled_factored(moments, count, lower, pivots)
-        _compiled_solved(lower, pivots, count, by_value)
+        _compiled_solved(lower, pivots, min(_TERMS, hi - lo), by_value)
         for n in range(lo, hi):
             s = rate * (t[n] - t[i])
             columns[i, n - lo] = n
