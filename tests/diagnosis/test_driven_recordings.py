@@ -13,7 +13,7 @@ from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.diagnosis.baseline.base_fit import driven_baseline
 from harness.diagnosis.fit.model_fit import fit
-from harness.diagnosis.inverse_dynamics.protocol import DIRECTED, PUBLISHED, SYMMETRIC, find_ripple, periods
+from harness.diagnosis.inverse_dynamics.protocol import DIRECTED, PUBLISHED, SYMMETRIC, find_ripple
 from harness.diagnosis.inverse_dynamics.search import force_baseline
 from harness.diagnosis.inverse_dynamics.validate import Judge
 from harness.diagnosis.parameters import free_of
@@ -26,6 +26,7 @@ from harness.diagnosis.request import Asked
 from harness.diagnosis.search.search import noise_of, under
 from harness.diagnosis.smoothed_state.local_cubics import smoothed
 from harness.diagnosis.starts import Windows
+from harness.fit.series import standing_out
 from harness.io.options import ReadOptions
 from harness.io.recording import read_recording
 from harness.kernels.solve import Drive, solve
@@ -97,7 +98,7 @@ def test_ripple_of_a_fast_axis_is_found_over_its_travel() -> None:
     t = np.arange(20_000) / 1000.0
     x = 0.1 * np.sin(2.0 * t) + 0.02 * np.sin(5.3 * t)
     force = 0.5 * np.cos(2.0 * np.pi * x / 0.0031 + 0.4) + np.random.default_rng(1).standard_normal(t.size)
-    assert periods(x, force)[0] == pytest.approx(0.0031, rel=5e-3)
+    assert standing_out(x, force, 1.5, 400.0)[0] == pytest.approx(0.0031, rel=5e-3)
 
 
 def test_direction_dependent_friction_beats_the_base_and_has_its_value() -> None:

@@ -12,13 +12,13 @@ from harness.core.budget import given as within
 from harness.core.cores import each
 from harness.core.errors import SimulationError
 from harness.diagnosis.grading.clocks import in_step, on_the_swing, unresolved
-from harness.diagnosis.inverse_dynamics.protocol import periods
 from harness.diagnosis.outcome import Outcome
 from harness.diagnosis.pipeline import diagnose
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.search import long_recordings as long
 from harness.estimate.noise import channel_noise
+from harness.fit.series import standing_out
 from harness.kernels.solve import solve
 from harness.model.model import Model, ModelTerm
 
@@ -55,7 +55,7 @@ def test_a_ripple_of_few_cycles_is_looked_for(cycles: float) -> None:
     force = 0.2 * np.cos(2.0 * math.pi * x * cycles / 0.6 + 0.4) + 0.05 * np.random.default_rng(2).standard_normal(
         x.size
     )
-    assert min(abs(0.6 / period - cycles) for period in periods(x, force)) < 0.5
+    assert min(abs(0.6 / period - cycles) for period in standing_out(x, force, 1.5, 400.0)[:9]) < 0.5
 
 
 def test_what_pieces_beside_one_another_may_do_does_not_hang_on_threads(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -154,24 +154,24 @@ def test_what_smoothing_takes_off_a_ripple_is_no_part_of_its_amplitude(tmp_path:
     """A pass at 1.6 rad/s takes 70 ms over a period of .11 rad, of which smoothing leaves a share alone."""
     result = _diagnosed(_led(lambda t, q, v: 0.02 * np.cos(2.0 * np.pi * q / 0.11), noise), tmp_path)
     assert [one.name for one in result.mechanisms] == ["force-ripple"]
-    amplitude, period = (result.mechanisms[0].parameters[name] for name in ("amplitude", "period"))
-    for one, true in ((amplitude, 0.02), (period, 0.11)):
-        assert one.value is not None
-        assert one.stderr is not None
-        assert abs(one.value - true) < 3.0 * one.stderr
-        assert one.stderr < 0.02 * true
+    _given(result, {"amplitude": 0.02, "period": 0.11}, within=0.02)
 
 
 def test_a_load_that_sways_is_found_by_what_turns_round_with_the_motion(tmp_path: Path) -> None:
     """Its torque has the frequencies of the motion above and below its own, and not its own."""
     result = _diagnosed(_led(lambda t, q, v: 0.04 * np.sign(v) * np.cos(3.1 * t), 1e-3), tmp_path)
     assert [one.name for one in result.mechanisms] == ["normal-load-variation"]
-    depth, omega = (result.mechanisms[0].parameters[name] for name in ("depth", "Omega"))
-    for one, true in ((depth, 0.2), (omega, 3.1)):
+    _given(result, {"depth": 0.2, "Omega": 3.1}, within=0.01)
+
+
+def _given(result: DiagnosisResult, true: dict[str, float], within: float) -> None:
+    """Numbers of the first mechanism: true to three standard errors, which are at most this share of them."""
+    for name, value in true.items():
+        one = result.mechanisms[0].parameters[name]
         assert one.value is not None
         assert one.stderr is not None
-        assert abs(one.value - true) < 3.0 * one.stderr
-        assert one.stderr < 0.01 * true
+        assert abs(one.value - value) < 3.0 * one.stderr
+        assert one.stderr < within * value
 
 
 def _swing(f_k: float = 0.03, c: float = 0.05, seed: int = 0, terms: tuple[ModelTerm, ...] = ()) -> JointLog:

@@ -16,7 +16,6 @@ from harness.diagnosis.grading.contest import Contest, Finalist, decided, shown_
 from harness.diagnosis.grading.grade import cells_of
 from harness.diagnosis.grading.prediction import blocks_of
 from harness.diagnosis.inverse_dynamics.left_over import LeftOver
-from harness.diagnosis.inverse_dynamics.protocol import periods
 from harness.diagnosis.inverse_dynamics.strokes import ForceWords, force_words
 from harness.diagnosis.inverse_dynamics.validate import held_out
 from harness.diagnosis.inverse_dynamics.waves import along_travel, in_time
@@ -193,21 +192,8 @@ def seen_in(found: Fit, problem: InverseDynamics, scales: Scales) -> Evidence:
         knock_times=np.empty(0),
         driven=True,
         angular=problem.angular,
-        periods=tuple(_periods(found, problem)),
+        periods=tuple(along_travel(problem, found.residual)),
     )
-
-
-def _periods(found: Fit, problem: InverseDynamics) -> list[float]:
-    """Periods over the travel at which the force left over stands out.
-
-    Where noise does not weigh it at the full rate too: a fast pass has its ripple.
-    """
-    measured, shown = problem.measured, along_travel(problem, found.residual)
-    if problem.by_noise:
-        return shown
-    left = measured.u - measured.needed(found.model)
-    moving = np.repeat(measured.moving, measured.t.size // measured.moving.size)
-    return [*shown, *periods(measured.x[moving], left[moving])]
 
 
 def whole_in(model: Model, measured: Measured) -> bool:

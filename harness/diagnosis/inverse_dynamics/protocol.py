@@ -112,10 +112,6 @@ DIRECTED = (*SYMMETRIC, "Fv_diff")
 
 _LEAST_CYCLES, _MOST_CYCLES = 8.0, 400.0
 """Over the travel, by the published protocol: fewer change slowly with place, more are finer than a path is read."""
-_FEWEST_CYCLES = 1.5
-"""Over the travel, of a law that is fitted beside others: fewer are a spring's shape."""
-_SLOW = 3
-"""Periods of fewer cycles than the protocol's that are looked at."""
 _MOVING = 0.05
 """Of the largest speed: slower, friction may have any value and the place hardly changes."""
 
@@ -139,19 +135,13 @@ def find_ripple(model: Model, recording: Filtered) -> Ripple:
     x, y = r.x[moving], left[moving] - float(np.mean(left[moving]))
     travel = float(np.ptp(x))
     power = spectrum(x, y, _LEAST_CYCLES, _MOST_CYCLES)
-    best = 2.0 * math.pi / periods(x, y, 1)[0]
+    best = 2.0 * math.pi / standing_out(x, y, _LEAST_CYCLES, _MOST_CYCLES)[0]
     near = best + np.linspace(-1.0, 1.0, 41) * 2.0 * math.pi / (PER_CYCLE * travel)
     best = float(near[int(np.argmax(_power(x, y, near)))])
     basis = np.column_stack((np.cos(best * x), np.sin(best * x)))
     cosine, sine = np.linalg.lstsq(basis, y, rcond=None)[0]
     contrast = float(np.max(power) / np.median(power))
     return Ripple(2.0 * math.pi / best, math.hypot(cosine, sine), math.atan2(-sine, cosine), contrast)
-
-
-def periods(x: FloatArray, force: FloatArray, count: int = 6) -> list[float]:
-    """Periods (m) at which a force (n,) left over at positions x (n,) stands out, strongest first, and slow ones."""
-    fine = standing_out(x, force, _LEAST_CYCLES, _MOST_CYCLES)[:count]
-    return [*fine, *standing_out(x, force, _FEWEST_CYCLES, _LEAST_CYCLES)[:_SLOW]]
 
 
 def _power(x: FloatArray, y: FloatArray, wave: FloatArray) -> FloatArray:
