@@ -12,6 +12,7 @@ from typing import Any, Literal, TypeAlias, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
+from harness.core.errors import InputError
 from harness.core.recording import Recording
 from harness.core.robot import JointLog
 from harness.core.trajectory import Trajectory
@@ -122,6 +123,7 @@ def identify(
     recording: Sequence[Recording | File],
     *,
     restoring: Literal["spring", "pendulum"] = "spring",
+    conditions: File | Mapping[str, Mapping[str, float]] | None = None,
     out: File | None = None,
 ) -> RepeatedIdentifyResult: ...
 
@@ -130,17 +132,19 @@ def identify(
     recording: Recording | File | Sequence[Recording | File],
     *,
     restoring: Literal["spring", "pendulum"] = "spring",
+    conditions: File | Mapping[str, Mapping[str, float]] | None = None,
     out: File | None = None,
 ) -> IdentifyResult | RepeatedIdentifyResult:
     """The estimators on a recording of a free decay: omega_n (rad/s), zeta, x_k (m), with standard errors.
 
     recording : several are of one machine: each by itself, and what all say (``result.together``). restoring : what
-    pulls back; a pendulum is read as the spring that it would be. out : folder for result, report and trace, as the
-    command leaves them. Raises InputError with the reason when the recording cannot be read, is driven, or shows no
-    free decay; StoreError when ``out`` cannot be written.
+    pulls back; a pendulum is read as the spring that it would be. conditions : of several, as ``diagnose`` takes them.
+    out : folder for result, report and trace, as the command leaves them. Raises InputError with the reason when the
+    recording cannot be read, is driven, or shows no free decay; StoreError when ``out`` cannot be written.
     """
     from harness.app import identify as room
 
+    known = _conditions(conditions, recording)
     if isinstance(recording, Recording | str | PathLike):
         found = _recording(recording)
         if out is None:
@@ -150,8 +154,8 @@ def identify(
 
     given = [_recording(one) for one in recording]
     if out is None:
-        return several.result_of_together(given, restoring=restoring)[0]
-    return several.deliver_together(given, Path(out), restoring=restoring)
+        return several.result_of_together(given, restoring=restoring, conditions=known)[0]
+    return several.deliver_together(given, Path(out), restoring=restoring, conditions=known)
 
 
 def motion(recording: Recording | File, *, restoring: str | None = None) -> MotionResult:
@@ -215,7 +219,6 @@ def diagnose(
     Raises InputError for a recording or an option that cannot be used, SimulationError when no model could be
     simulated, StoreError when ``out`` cannot be written.
     """
-    from harness.app.diagnose.conditions import read_conditions
     from harness.app.diagnose.one import answer, deliver
     from harness.app.diagnose.options import DiagnoseOptions
     from harness.app.run.case import model_of
@@ -237,7 +240,7 @@ def diagnose(
         dt=dt,
         covariates=covariates or (),
         budget=budget,
-        conditions=read_conditions(Path(conditions)) if isinstance(conditions, str | PathLike) else conditions or {},
+        conditions=_conditions(conditions, recording),
     )
     if not isinstance(recording, Recording | str | PathLike):
         several = [_recording(one) for one in recording]
@@ -524,3 +527,14 @@ def _recording(given: Recording | File, covariates: tuple[str, ...] = ()) -> Rec
     from harness.app.shared.reading import ReadOptions, read
 
     return given if isinstance(given, Recording) else read(Path(given), ReadOptions(covariates=covariates))
+
+
+def _conditions(
+    given: File | Mapping[str, Mapping[str, float]] | None, recording: Recording | File | Sequence[Recording | File]
+) -> Mapping[str, Mapping[str, float]]:
+    """Numbers by file name; raises InputError where they are given beside one recording."""
+    from harness.app.diagnose.conditions import read_conditions
+
+    if given is not None and isinstance(recording, Recording | str | PathLike):
+        raise InputError("conditions", "given with one recording", "several")
+    return read_conditions(Path(given)) if isinstance(given, str | PathLike) else given or {}

@@ -3,7 +3,9 @@
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 
+from harness.app.diagnose.conditions import Conditions, refuse_conditions
 from harness.app.diagnose.together import repeated_results
 from harness.app.identify import result_of
 from harness.app.shared.estimates import WHOLE
@@ -22,8 +24,11 @@ from harness.results.run import Estimates
 from harness.show.numbers import sentence_quantity
 from harness.show.report.identify_together import repeated_page, repeated_scene
 
-_DROPPED = frozenset({"--out", "--json"})
-"""Options of a command for several that a line for one of them goes without: what they name is written already."""
+_DROPPED = frozenset({"--out", "--json", "--conditions"})
+"""Options of a command for several that a line for one of them goes without: what they name is written already, or is
+of several.
+"""
+_NONE: Conditions = MappingProxyType({})
 
 Given = Recording | FailedIdentify
 
@@ -36,10 +41,12 @@ def identify_together(
     progress: Progress = SILENT,
     command: str = "",
     restoring: Swing = "spring",
+    conditions: Conditions = _NONE,
 ) -> RepeatedIdentifyResult:
     """Read recordings of one machine, estimate from each, and leave one folder as ``identify`` does for one.
 
-    Arguments as there. A file that cannot be read, or shows no free decay, is an entry that says so; the rest go on.
+    Arguments as there; conditions : of the files, over which trends are told. A file that cannot be read, or shows no
+    free decay, is an entry that says so; the rest go on.
     Raises InputError where none of them can be used, where one is given twice, and where units differ; StoreError.
     """
     given, errors = list[Given](), list[InputError]()
@@ -52,7 +59,7 @@ def identify_together(
             given.append(_failed(str(path), error))
     if len(errors) == len(paths):
         raise errors[0]
-    return deliver_together(given, out, progress, command, restoring)
+    return deliver_together(given, out, progress, command, restoring, conditions)
 
 
 def deliver_together(
@@ -61,11 +68,12 @@ def deliver_together(
     progress: Progress = SILENT,
     command: str = "",
     restoring: Swing = "spring",
+    conditions: Conditions = _NONE,
 ) -> RepeatedIdentifyResult:
     """Estimate, and leave everything in a folder, as ``identify_together`` does."""
     with leaving("identify-together", out) as output:
         files = {name: output.at(file) for name, file in FILES.items()}
-        result, recordings = result_of_together(given, command, files, restoring, progress)
+        result, recordings = result_of_together(given, command, files, restoring, progress, conditions)
         leave(output, result, repeated_page(result), repeated_scene(result, recordings))
     return result
 
@@ -76,14 +84,16 @@ def result_of_together(
     files: Mapping[str, str] | None = None,
     restoring: Swing = "spring",
     progress: Progress = SILENT,
+    conditions: Conditions = _NONE,
 ) -> tuple[RepeatedIdentifyResult, list[Recording]]:
     """The estimates from recordings of one machine as a result, with those from which something was estimated.
 
     given : recordings, or why one was not read. Raises InputError where none can be used, where two are the same
-    samples, and where their units differ.
+    samples, where their units differ, and where conditions are of none of them.
     """
     refuse_twice([one for one in given if isinstance(one, Recording)], command)
     names = [_file(one) for one in given]
+    refuse_conditions(conditions, names)
     entries: list[IdentifyResult | FailedIdentify] = []
     used, errors = list[Recording](), list[HarnessError]()
     for i, one in enumerate(given):
@@ -103,7 +113,8 @@ def result_of_together(
     if not found:
         raise errors[0] if errors else InputError("identify", "no recording", "one or more")
     _refuse_mixed(found)
-    together = repeated_results([one.recording.file for one in found], [dict(_numbers(one)) for one in found])
+    of_files = [one.recording.file for one in found]
+    together = repeated_results(of_files, [dict(_numbers(one)) for one in found], conditions=conditions)
     shared = _shared(found, together)
     method = _method_of(shared, together)
     result = RepeatedIdentifyResult(
@@ -112,7 +123,8 @@ def result_of_together(
         estimates=shared,
         recordings=entries,
         together=together,
-        warnings=[*_differing(method, together, [one.recording.file for one in found]), *_of_each(entries)],
+        conditions={file: dict(known) for file, known in conditions.items()},
+        warnings=[*_differing(method, together, of_files), *_of_each(entries)],
         command=command,
         machine=this_machine(),
         files=dict(files or {}),

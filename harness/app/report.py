@@ -87,7 +87,8 @@ def _identify_together(stored: StoredTrace, data: Any) -> tuple[RepeatedIdentify
     kept = RepeatedIdentifyResult.model_validate(data)
     recordings = iter(stored.recordings)
     given = [one if isinstance(one, FailedIdentify) else next(recordings) for one in kept.recordings]
-    result, _ = result_of_together(given, kept.command, kept.files, _restoring(kept.found[0]))
+    swing = _restoring(kept.found[0])
+    result, _ = result_of_together(given, kept.command, kept.files, swing, conditions=kept.conditions)
     # each is as it was written: with the machine that it was estimated on
     each = [
         again.model_copy(update={"machine": old.machine})

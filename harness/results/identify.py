@@ -85,6 +85,7 @@ class RepeatedIdentifyResult(Paged):
     together: dict[str, RepeatedResult] = Field(
         description='by "METHOD.NUMBER", such as "acceleration.x_k": what two recordings or more say of it'
     )
+    conditions: dict[str, dict[str, float]] = rare("with --conditions: numbers by name, by file name", dict)
     warnings: list[str]
     command: str = Field(default="", description="the line that makes it again")
     machine: Machine

@@ -154,3 +154,31 @@ def test_run_downs_are_read_together() -> None:
         assert abs(p.value - true) < 4.0 * p.stderr
         assert p.stderr < 0.01 * true
     assert found.statement.startswith("f_k = ")
+
+
+def test_a_condition_of_every_file_is_told_as_a_trend(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """x_k grows by 1 mm every 3 degrees, the damping does not; the page of the folder is made again with the trend."""
+    monkeypatch.chdir(tmp_path)
+    for i in range(5):
+        written(tmp_path, decay(0.028 + 0.001 * i, i))
+    rows = "".join(f"run-{i}.csv,{20 + 3 * i}\n" for i in range(5))
+    Path("days.csv").write_text(f"file,temperature [degC]\n{rows}", encoding="utf-8")
+    files = [f"run-{i}.csv" for i in range(5)]
+    assert run(["identify", *files, "--conditions", "days.csv", "--out", "out", "--json", "found.json"]) == 0
+    assert "it changes with temperature" in capsys.readouterr().out
+    result = RepeatedIdentifyResult.model_validate(json.loads(Path("found.json").read_text()))
+    (trend,) = result.together["acceleration.x_k"].trends
+    assert trend.differs
+    assert trend.slope.value == pytest.approx(1e-3 / 3.0, rel=1e-2)
+    assert not result.together["acceleration.zeta"].trends[0].differs
+    assert result.found[0].command == "harness identify run-0.csv"
+    assert rebuild(Path("out"))[0] == result
+
+
+def test_conditions_of_one_recording_or_of_other_files_are_refused() -> None:
+    with pytest.raises(InputError, match="conditions: given with one recording"):
+        harness.identify(decay(), conditions={"run-0.csv": {"load": 1.0}})  # type: ignore[call-overload]
+    with pytest.raises(InputError, match=r"rows of a.csv, which are none of the recordings"):
+        harness.identify([decay(), decay(seed=1)], conditions={"a.csv": {"load": 1.0}})

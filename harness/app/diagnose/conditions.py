@@ -38,6 +38,15 @@ def in_order(known: Conditions, files: Sequence[str]) -> dict[str, list[float | 
     return {name: [row.get(name) for row in rows] for name in dict.fromkeys(n for one in known.values() for n in one)}
 
 
+def refuse_conditions(known: Conditions, files: Sequence[str]) -> None:
+    """Raise InputError for a table that has no row of any recording."""
+    given = in_order(known, files).values()
+    if known and all(value is None for values in given for value in values):
+        found = f"rows of {', '.join(known)}, which are none of the recordings"
+        accepted = f"a row each of {', '.join(Path(file).name for file in files)}"
+        raise InputError("--conditions", found, accepted)
+
+
 def read_conditions(path: Path) -> dict[str, dict[str, float]]:
     """Conditions of logs from a CSV with a column ``file``, in one of a few languages, and numbers (temperature, day,
     hours run); with semicolons or tabs numbers may have a decimal comma.

@@ -8,7 +8,7 @@ from types import MappingProxyType
 import numpy as np
 
 from harness.app.diagnose.attribution import Configured
-from harness.app.diagnose.conditions import Conditions, in_order
+from harness.app.diagnose.conditions import Conditions, in_order, refuse_conditions
 from harness.app.diagnose.files import simulated
 from harness.app.diagnose.options import DiagnoseOptions
 from harness.app.diagnose.problem import prepared_together, validation
@@ -135,7 +135,7 @@ def investigate_together(
     """
     _refuse_options(options)
     refuse_twice(recordings, command)
-    _refuse_conditions(recordings, options.conditions)
+    refuse_conditions(options.conditions, [one.file for one in recordings])
     progress("base fit and search", 1, STEPS)
     recordings = [thinned(one) for one in recordings]
     ready = prepared_together(recordings, options)
@@ -166,15 +166,6 @@ def _refuse_options(options: DiagnoseOptions) -> None:
             one = "recording, whose mismatch is divided" if name in ("model", "sim") else "driven recording"
             found = f"given with --{name}"
             raise InputError("--together", found, f"it goes with one {one}")
-
-
-def _refuse_conditions(recordings: Sequence[Recording], conditions: Conditions) -> None:
-    """Raise InputError for a table that has no row of any recording."""
-    given = in_order(conditions, [one.file for one in recordings]).values()
-    if conditions and all(value is None for values in given for value in values):
-        found = f"rows of {', '.join(conditions)}, which are none of the recordings"
-        accepted = f"a row each of {', '.join(one.name for one in recordings)}"
-        raise InputError("--conditions", found, accepted)
 
 
 def _laid(recordings: Sequence[Recording], problem: Together | ForcesTogether, outcome: Outcome) -> Recording:

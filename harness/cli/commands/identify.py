@@ -19,12 +19,23 @@ if TYPE_CHECKING:
 
 @click.command(short_help="Natural frequency, damping and friction from a recorded free decay.")
 @click.argument("recordings", metavar="RECORDING...", nargs=-1, required=True, type=PATH)
+@click.option(
+    "--conditions",
+    type=PATH,
+    metavar="FILE",
+    help="Of several: a CSV with a column file and numbers, such as temperature; trends over them are told.",
+)
 @click.option("--restoring", type=click.Choice(["spring", "pendulum"]), default="spring", help="What pulls it back.")
 @reading_options
 @trace_option
 @output_options
 def command(
-    recordings: tuple[Path, ...], restoring: "Swing", reading: dict[str, Any], trace: str | None, to: Output
+    recordings: tuple[Path, ...],
+    conditions: Path | None,
+    restoring: "Swing",
+    reading: dict[str, Any],
+    trace: str | None,
+    to: Output,
 ) -> int:
     """The estimators on a RECORDING of a free decay: omega_n, zeta and x_k, with standard errors.
 
@@ -45,19 +56,25 @@ def command(
              harness identify rig.mat \\
                  --columns "t=time[ms],x=enc*0.004[mm],a=acc[g]" --json -
              harness identify run-1.csv run-2.csv run-3.csv
+             harness identify day-*.csv --conditions days.csv
     """
     first, *more = recordings
+    for path in (conditions, *(() if more else (first,))):
+        if path is not None:
+            check_file(path)
     if not more:
-        check_file(first)
+        refuse("given with one recording", "it goes with several", conditions=conditions)
     from harness.app.shared.reading import ReadOptions
 
     options = ReadOptions(**reading, angle=restoring == "pendulum")
     if more:
         refuse("given with several recordings", "it goes with one", join=reading["join"] or None)
+        from harness.app.diagnose.conditions import read_conditions
         from harness.app.identify_together import identify_together
 
         with to.told() as progress:
-            several = identify_together(recordings, options, trace, to.out, progress, this_line(), restoring)
+            known = {} if conditions is None else read_conditions(conditions)
+            several = identify_together(recordings, options, trace, to.out, progress, this_line(), restoring, known)
         to.give(several, _print_several)
         return 1 if several.failed else 0
     from harness.app.identify import identify
