@@ -1,7 +1,9 @@
 """What ends an error: a whole command to paste in place of the one that failed."""
 
+import os
 import re
 import shlex
+import tempfile
 from collections.abc import Sequence
 from difflib import SequenceMatcher
 from pathlib import Path
@@ -18,6 +20,8 @@ _LISTED = re.compile(r"; expected (?:a joint|a body|a movable body) of [^;]*?: (
 """What says the names that there are."""
 _WRITES = {"--out", "--json", "--junit", "--page", "--save"}
 """Options whose value is a place that may not do."""
+_UPDATED, _UPDATE = "--baseline", "--update"
+"""One whose value is read, and written where the other is given: it is not left out, it gets another place."""
 _READS = {"--columns", "--covariate"}
 """Options that name a column."""
 _CHOICES = re.compile(r"(?:one of )?([a-z][\w-]*(?:, [a-z][\w-]*)+)")
@@ -139,7 +143,16 @@ def _mended(words: Sequence[str], error: Exception, group: click.Group) -> list[
     for i, option in sorted(wrong, reverse=True)[: 1 if "; expected one of the two" in str(error) else None]:
         count = 0 if option.is_flag or "=" in words[i] else option.nargs
         kept[i : i + 1 + count] = [words[i], listed["first"]] if listed and count == 1 else []
+        if _UPDATED in option.opts and _UPDATE in words:
+            kept[i:i] = [_UPDATED, _elsewhere(words[i].partition("=")[2] or words[i + 1])]
     return kept if wrong else []
+
+
+def _elsewhere(place: str) -> str:
+    """A file of that name, in JSON, in the folder of the command, or in that of temporary files."""
+    name = Path(place).with_suffix(".json").name
+    here = os.access(".", os.W_OK) and not Path(name).exists()
+    return name if here else str(Path(tempfile.gettempdir()) / name)
 
 
 def _is_about(error: Exception, option: click.Option, value: str) -> bool:
@@ -151,7 +164,7 @@ def _is_about(error: Exception, option: click.Option, value: str) -> bool:
         where, found = error.where, error.found
         if beside := _LEAVE_OUT.search(str(error)):
             return (beside["option"] or beside["other"]) in option.opts
-    writes = not _WRITES.isdisjoint(option.opts)
+    writes = not _WRITES.isdisjoint(option.opts) or (_UPDATED in option.opts and _UPDATE in shlex.split(this_line()))
     if writes and value == "-":
         return False
     if writes and value and (where == value or Path(where).is_relative_to(Path(value).absolute())):

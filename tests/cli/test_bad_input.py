@@ -299,6 +299,10 @@ def test_a_folder_that_another_has_filled_meanwhile_is_said(tmp_path: Path) -> N
         ("report .", "harness report run/trace.rrd"),
         ("tune newton", "harness doctor"),
         ("regress --traces full", "harness sweep --keep-traces worst:10"),
+        ("regress --baseline /no/such/b.json --update", "harness regress --baseline b.json --update"),
+        ("identify good.csv good.csv", "harness identify good.csv"),
+        ("diagnose good.csv good.csv --together", "harness diagnose good.csv"),
+        ("identify good.csv good.csv good.csv -q", "harness identify good.csv -q"),
     ],
 )
 @pytest.mark.usefixtures("desk")

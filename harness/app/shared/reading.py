@@ -75,27 +75,47 @@ def read_runs(label: str, path: Path, options: ReadOptions, trace: str | None = 
     return [replace(one, file=f"{one.file} run {number}") for number, one in enumerate((first, *rest), 1)]
 
 
+_OF_SEVERAL = {"--together", "--conditions"}
+"""Options that do not go with one recording."""
+
+
 def refuse_twice(recordings: Sequence[Recording], command: str = "") -> None:
     """Raise InputError where two recordings are the same samples: what one of them says would count twice.
 
     command : the line that gave them, "" where none did.
     """
-    for i, one in enumerate(recordings):
-        for first in recordings[:i]:
-            if one.channels.keys() == first.channels.keys() and all(
-                np.array_equal(y, other) for y, other in zip(_columns(one), _columns(first), strict=True)
-            ):
-                known = "given twice" if one.file == first.file else f"the same samples as {first.file}"
-                raise InputError(one.file, f"{known}: it would count twice", _without(command, one.file))
+    firsts, again = list[Recording](), list[tuple[Recording, Recording]]()
+    for one in recordings:
+        known = next((first for first in firsts if _same(one, first)), None)
+        if known is None:
+            firsts.append(one)
+        else:
+            again.append((one, known))
+    for one, first in again[:1]:
+        said = "given twice" if one.file == first.file else f"the same samples as {first.file}"
+        line = _without(command, [copy.file for copy, _ in again], alone=len(firsts) == 1)
+        raise InputError(one.file, f"{said}: it would count twice", line)
 
 
-def _without(command: str, file: str) -> str:
-    """The end of an error: the line without the last time that it names a file."""
+def _same(one: Recording, other: Recording) -> bool:
+    return one.channels.keys() == other.channels.keys() and all(
+        np.array_equal(y, its) for y, its in zip(_columns(one), _columns(other), strict=True)
+    )
+
+
+def _without(command: str, files: Sequence[str], alone: bool) -> str:
+    """The end of an error: the line without the last time that it names each file. alone : whether one is left."""
     words = shlex.split(command)
-    if file not in words:
+    if not set(files) <= set(words):
         return "each recording once"
-    last = len(words) - 1 - words[::-1].index(file)
-    return f"try: {shlex.join([*words[:last], *words[last + 1 :]])}"
+    for file in files:
+        del words[len(words) - 1 - words[::-1].index(file)]
+    kept = [
+        word
+        for before, word in zip(["", *words], words, strict=False)
+        if not (alone and (word in _OF_SEVERAL or before == "--conditions"))
+    ]
+    return f"try: {shlex.join(kept)}"
 
 
 def _columns(recording: Recording) -> list[FloatArray]:
