@@ -94,6 +94,21 @@ def test_fields_of_structs_of_parquet_are_columns(tmp_path: Path) -> None:
     assert "1 rows without a value, the first of them row 8, are skipped." in read_recording(path).notes
 
 
+def test_maps_of_parquet_are_columns_by_the_keys_of_the_first(tmp_path: Path) -> None:
+    """In any order of keys; a key that a row lacks is no value."""
+    path = tmp_path / "a.parquet"
+    rig = [
+        [("x [mm]", v), ("a [g]", a)][:: -1 if i % 3 else 1] for i, (v, a) in enumerate(zip(X * 1e3, A, strict=True))
+    ]
+    rig[7] = rig[7][:1]
+    kind = pa.map_(pa.string(), pa.float64())
+    pq.write_table(pa.table({"t": T, "rig": pa.array(rig, kind)}), path)
+    found = read_recording(path)
+    assert "1 rows without a value, the first of them row 8, are skipped." in found.notes
+    np.testing.assert_allclose(found["x"], np.delete(X, 7), rtol=1e-14)
+    np.testing.assert_allclose(found["a"], np.delete(A, 7) * 9.80665, rtol=1e-14)
+
+
 MAT_COLUMNS = "t=t[ms],x=x[mm],a=a[g],u=v*gain*2[N]"
 
 

@@ -25,7 +25,7 @@ _A_SECOND = {"s": 1, "ms": 1_000, "us": 1_000_000, "ns": 1_000_000_000}
 
 class ParquetTable(Table):
     """A Parquet file; fields of structs have dotted names; a column of lists is as many columns as its first list is
-    long, NAME[0] and so on.
+    long, NAME[0] and so on; one of maps a column for each key of its first.
 
     names : of a list's elements, by column. ``keep`` : which rows are read; all where it is None.
     """
@@ -37,36 +37,50 @@ class ParquetTable(Table):
         self.keep: BoolArray | None = None
         self._source: list[tuple[str, int]] = []
         self._leaves: dict[str, tuple[tuple[str, ...], Any]] = {}
+        self._keys: dict[str, list[Any]] = {}
         headers: list[str] = []
         try:
             self._file = pq.ParquetFile(path)
             for way, kind in _leaves((), self._file.schema_arrow):
                 name = ".".join(way)
                 self._leaves[name] = way, kind
-                many = self._width(name)
                 given = list((names or {}).get(name, ()))
-                if not _is_list(kind):
+                if pa.types.is_map(kind):
+                    self._keys[name] = self._keys_of(name)
+                    given = [f"{name}.{key}" for key in self._keys[name]]
+                elif not _is_list(kind):
                     given = [name]
-                elif len(given) != many:
+                elif len(given) != (many := self._width(name)):
                     given = [f"{name}[{k}]" for k in range(many)]
-                self._source += [(name, k) for k in range(many)]
+                self._source += [(name, k) for k in range(len(given))]
                 headers += given
         except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
             raise InputError(str(path), f"not a Parquet file ({error})", _READABLE) from None
         super().__init__(path, *split_headers(headers), headers)
 
     def _width(self, name: str) -> int:
-        """How many numbers the lists of a column hold, by the first of them: 0 for a picture; 1 where it has none."""
+        """How many numbers the lists of a column hold, by the first of them: 0 for a picture."""
         import pyarrow as pa
 
-        way, kind = self._leaves[name]
-        if not _is_list(kind):
-            return 1
+        kind = self._leaves[name][1]
         if not (pa.types.is_integer(kind.value_type) or pa.types.is_floating(kind.value_type)):
             return 0
-        first = next(self._file.iter_batches(batch_size=1, columns=[name]), None)
-        many = len(_within(first.column(0), way)[0].as_py() or ()) if first is not None and len(first) else 0
+        many = len(self._first(name))
         return many if many <= _WIDEST else 0
+
+    def _keys_of(self, name: str) -> list[Any]:
+        """The keys of the first map of a column of maps of numbers."""
+        import pyarrow as pa
+
+        kind = self._leaves[name][1].item_type
+        if not (pa.types.is_integer(kind) or pa.types.is_floating(kind)):
+            return []
+        return list(dict(self._first(name)))[:_WIDEST]
+
+    def _first(self, name: str) -> Any:
+        """The first list or map of a column; an empty one where there is none."""
+        first = next(self._file.iter_batches(batch_size=1, columns=[name]), None)
+        return (_within(first.column(0), self._leaves[name][0])[0].as_py() or ()) if first else ()
 
     def read(self, positions: Sequence[int]) -> list[FloatArray]:
         """See Table; each column of the file is read once."""
@@ -75,13 +89,14 @@ class ParquetTable(Table):
         return found if self.keep is None else [values[self.keep] for values in found]
 
     def _column(self, name: str) -> FloatArray:
-        """A column of the file, (n, 1), or of so many as its lists are long."""
+        """A column of the file, (n, 1), or of so many as its lists are long or its maps have keys."""
         import pyarrow as pa
         import pyarrow.compute as pc
 
         (way, kind), where = self._leaves[name], f"{self.path}: row 1, column {name}"
         lists = _is_list(kind)
-        number = kind.value_type if lists else kind
+        keys = self._keys.get(name)
+        number = kind.value_type if lists else kind if keys is None else kind.item_type
         stamps = pa.types.is_timestamp(kind) or pa.types.is_duration(kind) or pa.types.is_time(kind)
         if not (pa.types.is_integer(number) or pa.types.is_floating(number) or pa.types.is_decimal(number) or stamps):
             raise InputError(where, f"a column of type {kind}", "a column of numbers")
@@ -89,8 +104,12 @@ class ParquetTable(Table):
         try:
             column = _within(self._file.read(columns=[name]).column(0), way)
             rows = len(column)
+            if keys is not None:
+                maps = column.combine_chunks()
+                column = pa.chunked_array([pc.map_lookup(maps, pa.scalar(k, kind.key_type), "first") for k in keys])
+                return _numbers(column).reshape(len(keys), rows).T
             column = pc.list_flatten(column) if lists else self._from_first(at[0], column) if stamps else column
-            flat = np.asarray(column.cast(pa.float64(), safe=False).to_numpy(), dtype=np.float64)
+            flat = _numbers(column)
         except (pa.ArrowException, OSError) as error:
             raise InputError(where, f"unreadable ({error})", _READABLE) from None
         if flat.size != rows * len(at):
@@ -111,6 +130,12 @@ class ParquetTable(Table):
         dated = pa.types.is_timestamp(column.type)
         self.dated[position] = str(np.datetime64(first, unit)) if dated else f"{first / _A_SECOND[unit]:.9g} s"
         return pc.multiply(pc.subtract(counts, first).cast(pa.float64()), 1.0 / _A_SECOND[unit])
+
+
+def _numbers(column: Any) -> FloatArray:
+    import pyarrow as pa
+
+    return np.asarray(column.cast(pa.float64(), safe=False).to_numpy(), dtype=np.float64)
 
 
 def _leaves(before: tuple[str, ...], fields: Any) -> Iterator[tuple[tuple[str, ...], Any]]:
