@@ -141,7 +141,8 @@ def _by_names(table: Table, rate: float | None) -> Chosen | None:
 
 def _is_force(table: Table, position: int) -> bool:
     unit, means = table.units.get(position), meaning(table.names[position])
-    return is_unit_of("u", unit) if unit is not None else means is not None and means.channel == "u"
+    of_force = unit is not None and is_unit_of("u", unit) and not is_unit_of("a", unit)
+    return of_force if unit is not None else means is not None and means.channel == "u"
 
 
 def _wants_unit(table: Table, channel: str, position: int, found: dict[str, list[int]]) -> bool:

@@ -40,8 +40,10 @@ _CLOCKS = {
     "nsec": "ns",
 }
 """Names of a time that say its unit."""
-_OWN = {"rpm": "rpm", "mph": "mile/hour", "dps": "deg/s", "rps": "rev/s"} | dict.fromkeys(
-    ("kph", "kmh", "kmph"), "km/h"
+_OWN = (
+    {"rpm": "rpm", "mph": "mile/hour", "dps": "deg/s", "rps": "rev/s"}
+    | dict.fromkeys(("kph", "kmh", "kmph"), "km/h")
+    | dict.fromkeys(("gfx", "gfy", "gfz"), "g")
 )
 """Names that are a unit."""
 ENDINGS: dict[str, dict[str, str]] = {

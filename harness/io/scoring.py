@@ -75,7 +75,7 @@ GYRO_COUNTS = 4000.0
 """deg/s that none shows: its own counts."""
 _SCALED, _NUMBERS, _NAME, _UNIT = range(-1, 3)
 """By what a column's channel is told, the strongest last; a voltage or a count needs its scale first."""
-_COUNTS = {"row", "index", "idx", "sample", "frame", "count", "id", "nr", "no", "cycle", "step", "line"}
+_COUNTS = {"row", "index", "idx", "sample", "frame", "count", "id", "nr", "no", "cycle", "step", "line", "iteration"}
 """Words of a column that counts rows."""
 _IN_VOLTS = re.compile(r"volt|spannung|percent|prozent|duty|pwm|(?<![a-z])(?:ecg|eeg|emg)(?![a-z])")
 """Words of what is no motion before somebody says its scale."""
@@ -368,6 +368,9 @@ def _in_their_unit(columns: Sequence[Column], clock: Column) -> list[Column]:
     """
     t = unrolled(clock.values) * SCALES.get(clock.unit, 1.0)
     bare = [one for one in columns if not one.unit and one.told == _NAME]
+    of_motion = [one for one in columns if one.channel in ("x", "v", "a", "count") or not one.channel]
+    if len(of_motion) == 1 and of_motion[0].name and not of_motion[0].channel:  # what moves is the position
+        bare = [*bare, replace(of_motion[0], channel="x")]
     units = {one.channel: unit for one in bare if (unit := likelier_unit(one.channel, one.name, one.values, t))}
     kinds = {channel: (channel, "") if channel == "x" else (channel,) for channel in units}
     found = list(columns)
@@ -521,5 +524,6 @@ def _by_name(name: str, unit: str | None) -> tuple[str, int, str]:
 def _is_count(header: str, told: FloatArray, steps: FloatArray) -> bool:
     """Whether a column numbers its rows."""
     whole = bool(np.all(told == np.round(told)))
-    named = bool(_COUNTS & set(re.split(r"[^a-z]+", header.lower())))
+    words = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", header).lower()
+    named = bool(_COUNTS & set(re.split(r"[^a-z]+", words)))
     return whole and (bool(np.all((steps == 0.0) | (steps == 1.0))) or (named and bool(np.all(steps >= 0.0))))

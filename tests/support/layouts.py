@@ -981,6 +981,43 @@ def western_micro(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Pa
     return path, {"t": m.t, "x": m.x}
 
 
+def opensim_markers(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    rate = f"{1.0 / m.t[1]:.2f}"
+    head = ["PathFileType\t4\t(X/Y/Z)\ttrial.trc", "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate"]
+    head += [f"{rate}\t{rate}\t{m.t.size}\t1\tmm\t{rate}", "Frame#\tTime\tcart\t\t", "\t\tX1\tY1\tZ1", ""]
+    still = [500.0 + 0.01 * rng.standard_normal(m.t.size) for _ in "yz"]
+    body = [f"{i}\t{row}" for i, row in enumerate(rows("\t", m.t, 1e3 * m.x, *still), 1)]
+    return lines(folder / "trial.trc", *head, *body), {"t": m.t, "x": m.x}
+
+
+def twincat_with_units(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    head = [
+        "Name;Scope Project", "File;YT Scope.tcscopex", "", "Name;Axis 1.ActPos;Name;Axis 1.ActVelo",
+        "Data-Type;REAL64;Data-Type;REAL64", "SampleTime[ms];5;SampleTime[ms];5", "Unit;mm;Unit;mm/s", "",
+    ]  # fmt: skip
+    body = rows(";", 1e3 * m.t, 1e3 * m.x, 1e3 * m.t, 1e3 * m.v, comma=True)
+    return lines(folder / "scope.csv", *head, *body), {"t": m.t, "x": m.x, "v": m.v}
+
+
+def settings_of_a_scope(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Among the settings a V that is no velocity, and lines without anything in them."""
+    head = ["Model,MSO54", "Waveform Type,ANALOG", "Horizontal Units,s", "Record Length,1000", "Probe Attenuation,10"]
+    head += ["Vertical Units,mm", "Vertical Position,-0.98", ",", ",", "Label,", "TIME,CH1"]
+    return lines(folder / "tek0001.csv", *head, *rows(",", m.t - 3.0, 1e3 * m.x)), {"t": m.t, "x": m.x}
+
+
+def g_of_a_phone(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Physics Toolbox's names say g; its own gravity may be off."""
+    still = [0.9 + 0.001 * rng.standard_normal(m.t.size) for _ in "yz"]
+    a = 3.0 * m.a / np.abs(m.a).max()
+    return lines(folder / "g.csv", "time,gFx,gFy,gFz", *rows(",", m.t, a / 9.80665, *still)), {"t": m.t, "a": a}
+
+
+def unit_in_a_column(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    body = [f"2026/03/14,10:00:{t:06.3f},{1e3 * x:.4f},mm" for t, x in zip(np.round(m.t, 3), m.x, strict=True)]
+    return lines(folder / "gauge.csv", "Date,Time,Value,Unit", *body), {"t": m.t, "x": m.x}
+
+
 WRITERS: dict[str, Writer] = {
     one.__name__: one
     for one in (
@@ -997,6 +1034,6 @@ WRITERS: dict[str, Writer] = {
         sensors_numbers, by_powers, unit_for_a_name, gyroscope_bare, asked_and_measured, yokogawa, graphtec, stopwatch,
         quoted_commas, written_in_russia, rockwell, fit_csv, dashboard, spans, phone_records, modelica, plot_juggler,
         motec, racechrono, data_inspector, trackmate, one_value_a_row, influx, streams, unit_beside_value,
-        western_micro,
+        western_micro, opensim_markers, twincat_with_units, settings_of_a_scope, g_of_a_phone, unit_in_a_column,
     )
 }  # fmt: skip

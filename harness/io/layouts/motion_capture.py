@@ -1,5 +1,6 @@
 """Markers in space: Qualisys' text (a header of names and values, then rows), Vicon's (a title, the rate, names of
-markers, axes, units), both in mm, and OptiTrack's (a line of names and values, with the unit, then five of names).
+markers, axes, units), both in mm, OptiTrack's (a line of names and values, with the unit, then five of names) and
+OpenSim's markers (a line of names and one of values, with the unit, then names of markers and axes).
 """
 
 from collections.abc import Sequence
@@ -15,9 +16,25 @@ def _find(lines: Sequence[str], name: str) -> Head | None:
         return _qualisys(lines)
     if len(lines) > 5 and lines[0].strip(' ",').lower() in ("trajectories", "model outputs"):
         return _vicon(lines)
+    if len(lines) > 6 and lines[0].startswith("PathFileType\t"):
+        return _opensim(lines)
     if lines and lines[0].startswith("Format Version,"):
         return _motive(lines)
     return None
+
+
+def _opensim(lines: Sequence[str]) -> Head | None:
+    said = dict(zip(lines[1].split("\t"), lines[2].split("\t"), strict=False))
+    markers, axes = lines[3].split("\t"), lines[4].rstrip().split("\t")
+    first = 5 if lines[5].strip() else 6
+    if "Units" not in said or len(axes) < 3:
+        return None
+    fields, marker = ["Frame", "Time"], ""
+    for i in range(2, len(axes)):
+        marker = (markers[i].strip() if i < len(markers) else "") or marker
+        fields.append(f"{marker} {axes[i].strip()[:1].lower()}")
+    units = ("", "s", *[said["Units"].strip()] * (len(fields) - 2))
+    return Head(first=first, fields=tuple(fields), units=units)
 
 
 def _motive(lines: Sequence[str]) -> Head | None:

@@ -1,19 +1,50 @@
-"""Oscilloscopes: Tektronix, whose settings stand beside the first rows, and Rigol, which tells a step and no times."""
+"""Oscilloscopes: Tektronix, whose settings stand beside the first rows, or, as Siglent's, above them; Rigol, which
+tells a step and no times; Keysight, whose names are numbers.
+"""
 
 from collections.abc import Sequence
 
-from harness.io.layout import Head, Layout, rate_of
+from harness.io.layout import Head, Layout, is_row, rate_of
 
 _BESIDE = 3
 """Columns of settings before time and value."""
 
 
+_DEEP = 60
+"""Lines of settings at most."""
+_UNITS = "Vertical Units,"
+
+
 def _find(lines: Sequence[str], name: str) -> Head | None:
+    units = next((line for line in lines[:_DEEP] if line.startswith(_UNITS)), "")
+    if units and (head := _below_settings(lines, units)) is not None:
+        return head
+    if len(lines) > 2 and lines[0].startswith("x-axis,") and lines[1].startswith("second,"):
+        return _keysight(lines)
     if lines and lines[0].startswith("Record Length,"):
         return _tektronix(lines)
     if len(lines) > 2 and lines[0].startswith(("X,CH", "CH")) and ",Start,Increment" in lines[0]:
         return _rigol(lines)
     return None
+
+
+def _below_settings(lines: Sequence[str], said: str) -> Head | None:
+    rows = [line.rstrip(" \r").split(",") for line in lines]
+    first = next((i for i, row in enumerate(rows) if all(map(str.strip, row)) and is_row(row)), 0)
+    fields = [field.strip() for field in rows[first - 1]]
+    if not first or len(fields) != len(rows[first]) or len(fields) < 2 or not all(fields):
+        return None
+    units = [unit.rpartition(":")[2].strip() for unit in said.rstrip(" \r,").split(",")[1:]]
+    of_rest = (units + units[-1:] * len(fields))[: len(fields) - 1]
+    return Head(first=first, fields=("time", *fields[1:]), units=("s", *of_rest), separator=",")
+
+
+def _keysight(lines: Sequence[str]) -> Head | None:
+    fields, units = (line.rstrip(" \r").split(",")[1:] for line in lines[:2])
+    if len(fields) != len(units) or not fields:
+        return None
+    short = ["V" if unit.lower() == "volt" else unit for unit in units]
+    return Head(first=2, fields=("time", *(f"CH{one}" for one in fields)), units=("s", *short), separator=",")
 
 
 def _tektronix(lines: Sequence[str]) -> Head | None:

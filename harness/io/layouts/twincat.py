@@ -1,8 +1,11 @@
-"""TwinCAT Scope's text export: names of channels behind ``Name``, settings, and a time before each value."""
+"""TwinCAT Scope's text export: names of channels behind ``Name``, units behind ``Unit``, settings, a time before each
+value.
+"""
 
 from collections.abc import Sequence
 
 from harness.io.layout import Head, Layout, is_row, separator_of
+from harness.io.units import is_unit
 
 _DEEP = 40
 """Lines of a header at most."""
@@ -18,7 +21,10 @@ def _find(lines: Sequence[str], name: str) -> Head | None:
         return None
     named = [cell.strip() for cell in heads[-1][1:] if cell.strip() not in ("", "Name")]
     fields = [field for one in named for field in ("time", one)]
-    units = ["ms" if field == "time" else "" for field in fields]
+    said = next((line.split(mark)[1:] for line in lines[:_DEEP] if line.startswith(f"Unit{mark}")), [])
+    of_each = [unit if is_unit(unit) else "" for cell in said if (unit := cell.strip()) not in ("", "Unit")]
+    of_each = of_each if len(of_each) == len(named) else [""] * len(named)
+    units = [unit for one in of_each for unit in ("ms", one)]
     return Head(
         first=first,
         fields=tuple(fields),

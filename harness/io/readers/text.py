@@ -55,6 +55,7 @@ _STEP = re.compile(
 )
 """One that says how far apart they are."""
 _IS_RATE = re.compile(r"^(?:sampl\w{0,6}|scan|data|frame)[ _-]?(?:rate|freq\w{0,6})(?:[ _-]?hz)?$", re.IGNORECASE)
+_UNIT_WORDS = frozenset(("unit", "units", "einheit", "unité", "unidad", "unità"))
 _NEAR = 0.05
 """Share by which a first sample may differ from what a run was to start with."""
 _BRACKETS = re.compile(r"^[\[(]\s*([^\[\]()]*?)\s*[\])]$")
@@ -214,15 +215,13 @@ def _is_of_units(cells: Sequence[str]) -> bool:
     """Whether a line is one of units: all that stands in it is, or stands in brackets beside one that is."""
     said = [cell for cell in cells if cell]
     units = [is_unit(_bare(cell)) for cell in said]
-    return all(unit or _BRACKETS.match(cell) for cell, unit in zip(said, units, strict=True)) and (
-        any(units) or not said
-    )
+    return any(units) and all(unit or _BRACKETS.match(cell) for cell, unit in zip(said, units, strict=True))
 
 
 def _bare(unit: str) -> str:
     """A unit without brackets; nothing of a word that says what its line holds."""
     found = _BRACKETS.sub(r"\1", re.sub(r"^[Uu]nits?: ", "", unit.strip()))
-    return "" if found.lower().rstrip(":") in ("unit", "units", "einheit") else found
+    return "" if found.lower().rstrip(":") in _UNIT_WORDS else found
 
 
 def _is_all_numbers(cells: Sequence[str], decimal: str) -> bool:
@@ -365,6 +364,7 @@ class TextTable(Table):
         below = () if units else self._units_below(len(names))
         super().__init__(path, names, units or dict(enumerate(below)), self._layout.fields)
         self._below = bool(below)
+        self.units |= self._units_beside()
         self.mended += [passed] if passed else []
         if head is not None:
             self.rate, self.own = head.rate, head.own
@@ -380,6 +380,12 @@ class TextTable(Table):
         self.said_rate = self.said_rate or next((y for name, y in settings.items() if _IS_RATE.search(name)), None)
         if len(self.names) == 1 and not self.units:
             self.units |= self._unit_of_start(settings)
+
+    def _units_beside(self) -> dict[int, str]:
+        """Units that stand in a column of their own, right of the numbers."""
+        of_units = [i for i, name in enumerate(self.names) if i and name.strip().lower() in _UNIT_WORDS]
+        said = zip(of_units, self.texts(of_units) if of_units else (), strict=True)
+        return {i - 1: unit for i, unit in said if is_unit(unit) and unit and i - 1 not in self.units}
 
     def _unit_of_start(self, settings: dict[str, float]) -> dict[int, str]:
         """The unit of a lone column whose first value a setting above it tells, by the ending of that one's name."""
