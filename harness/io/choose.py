@@ -26,7 +26,7 @@ from harness.io.options import UNSAID, ReadOptions, RefusedError
 from harness.io.scoring import CONVERTER, GYRO_COUNTS, TURNING, Reading, likelier_unit, runs_of
 from harness.io.table import Table
 from harness.io.times import clock_unit, unrolled
-from harness.io.units import RAW, STEPS, NoUnitError, OtherUnitError, Unit, is_unit_of, parse_unit
+from harness.io.units import RAW, STEPS, NoUnitError, OtherUnitError, TwofoldUnitError, Unit, is_unit_of, parse_unit
 
 _ONE_WAY = 0.9
 """Share of the rows of a friction curve, at least, in which the force has the sign of the speed."""
@@ -376,19 +376,26 @@ def products(table: Table, mappings: dict[str, Mapping]) -> dict[str, tuple[Floa
     for channel, mapping in mappings.items():
         try:
             read[channel] = _product(table, mapping, at, columns)
+        except TwofoldUnitError as error:
+            bare = replace(mapping, unit=None)
+            other = (_pasted(table, mappings, channel, f"{quoted_of(table, bare)}[{unit}]") for unit in error.meant)
+            raise RefusedError(error.where, error.found, error.accepted, [*other]) from None
         except (NoUnitError, OtherUnitError) as error:
             if mapping.unit is not None:
                 raise
             no_unit = channel == "t" or isinstance(error, NoUnitError)
             turns = channel == "u" and any(is_torque(table.names[table.position(name)]) for name in mapping.names)
             unit = f"{quoted_of(table, mapping)}[{'Nm' if turns else _SI.get(channel, 's')}]"
-            paste = {c: quoted_of(table, one) for c, one in mappings.items()} | {
-                channel: unit if no_unit else f"1*{unit}"
-            }
             found = error.found if no_unit else f"{error.found}, whose scale goes in place of 1"
-            others = [{"columns": ",".join(f"{c}={one}" for c, one in paste.items())}]
+            others = [_pasted(table, mappings, channel, unit if no_unit else f"1*{unit}")]
             raise RefusedError(error.where, found, error.accepted, others) from None
     return read
+
+
+def _pasted(table: Table, mappings: dict[str, Mapping], channel: str, said: str) -> dict[str, Any]:
+    """The options that read these channels, one of them as ``said``."""
+    paste = {c: quoted_of(table, one) for c, one in mappings.items()} | {channel: said}
+    return {"columns": ",".join(f"{c}={one}" for c, one in paste.items())}
 
 
 def _product(

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from harness.core.errors import InputError
 
-ANGLES = frozenset({"angle", "theta", "phi"})
+ANGLES = frozenset({"angle", "theta", "phi", "roll", "pitch", "yaw"})
 """Names that say an angle; without a unit they are read in rad."""
 RATES = frozenset(
     ["gx", "gy", "gz", "wx", "wy", "wz", "gyr", "gyro", "gyroscope", "omega", "theta_dot", "thetadot", "dtheta"]
@@ -16,7 +16,7 @@ RATES = frozenset(
 _ANGULAR = ANGLES | RATES
 _NAMES: dict[str, str] = {
     "t": "t ts time times stamp timestamp sec secs seconds elapsed",
-    "x": "x q qpos pos position displacement disp angle theta phi",
+    "x": "x q qpos pos position displacement disp angle theta phi roll pitch yaw",
     "v": "v dq qd qvel vel velocity speed omega theta_dot thetadot dtheta gx gy gz wx wy wz gyr gyro gyroscope rpm "
     "kph kmh kmph mph dps rps",
     "a": "a ddq qdd qacc acc accel acceleration accelerometer alpha theta_ddot ax ay az gfx gfy gfz",
@@ -144,8 +144,19 @@ def _of_modelica(name: str) -> Meaning | None:
     return Meaning(_OF_A_COMPONENT[last], None, last == "w") if point and last in _OF_A_COMPONENT else None
 
 
+_OF_MESSAGES = {
+    ("twist", "linear"): "v",
+    ("twist", "angular"): "v",
+    ("accel", "linear"): "a",
+    ("accel", "angular"): "a",
+}
+"""What a field of ROS's messages is whose name says no channel, before its axis."""
+
+
 def _by_words(name: str) -> Meaning | None:
     *before, last = re.split(r"[/.](?=[^\d])", name.strip())
+    if last.lower() in ("x", "y", "z") and (of := tuple(word.lower() for word in before[-2:])) in _OF_MESSAGES:
+        return Meaning(_OF_MESSAGES[of], None, of[1] == "angular")
     if before and last.lower() in ("x", "y", "z") and word_of(before[-1]):
         last = before[-1]  # an axis: pose.position.x
     stem = re.sub(r"[\s-]+", "_", _INDEX.sub("", last.strip().lower()).strip()).strip("_")
@@ -184,7 +195,10 @@ def word_of(name: str) -> str:
 _ANGLE = re.compile("angle|theta|winkel|ángulo|angolo|angulo|hoek|vinkel|kąt|úhel|açı|угол|角度|각도")
 
 
-_RATE = re.compile("gyro|drehrate|winkelgeschw|angular|angulaire|angolare|vinkelhast|角速度|각속도|угловая")
+_RATE = re.compile(
+    "(?:roll|pitch|yaw)[ _]?(?:rate|speed|vel)|gyro|drehrate|winkelgeschw|angular|angulaire|angolare|vinkelhast"
+    "|角速度|각속도|угловая"
+)
 
 
 def is_rate(name: str) -> bool:

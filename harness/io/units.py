@@ -18,7 +18,7 @@ STANDARD_GRAVITY = 9.80665
 _GRAVITY = re.compile(r"^(?P<prefix>[mµμu]?)(?:g|G|gn|g_0|g0)$")
 _TEMPERATURE = re.compile(r"^(?:°\s?C|degC|C|celsius|K|kelvin)$", re.IGNORECASE)
 """Of which differences alone count."""
-_ONE_OF = {"mil": "thou (0.001 inch) or mrad", "rd": "rad, or rod (5.03 m)"}
+_ONE_OF = {"mil": ("thou (0.001 inch) or mrad", "thou", "mrad"), "rd": ("rad, or rod (5.03 m)", "rad", "rod")}
 _TWOFOLD = re.compile(rf"\b({'|'.join(_ONE_OF)})s?\b", re.IGNORECASE)
 _PLAIN = re.compile(r"^[\w\s*/^().%°²³⁻¹·-]{1,60}$")
 _LARGE_EXPONENT = re.compile(r"(?:\*\*|\^)[\s(+-]*(?:\d{2,}|[^\d\s])|\*\*[^*]*\*\*|\^[^^]*\^")
@@ -28,7 +28,9 @@ _LONGEST = 200
 _BEHIND = re.compile(
     r"^(?P<name>[^\[(]*[^\[(\s])\s*[\[(](?P<unit>[^\[\]()\d][^\[\]()]*)[\])]\s*(?P<tail>[^\[\]()]*\d)$"
 )
-_BARE = re.compile(r"^(?P<name>\S.*?)(?:\s*/\s*|\s+in\s+|,\s+)(?P<unit>\S+)$")
+_BARE = re.compile(r"^(?P<name>\S.*?)(?P<sign>\s*/\s*|\s+in\s+|,\s+)(?P<unit>\S+)$")
+_BEHIND_IN = {" in ": ("V", "mV", "A", "mA")}
+"""Units beside those that stand without brackets, where a word leads to them."""
 _USUAL_UNITS = (
     "s ms us µs ns min m mm cm km um µm rad deg ° mrad rev m/s mm/s cm/s km/h rad/s deg/s °/s rpm 1/min "
     "m/s^2 m/s² m/s2 m/s**2 mm/s² g mg rad/s^2 rad/s² deg/s^2 °/s² N mN kN Nm mNm Ncm N·m"
@@ -165,14 +167,16 @@ def _is_remark(said: str) -> bool:
 def _in_brackets(header: str) -> tuple[str, str | None]:
     """Name of a column and what stands in the brackets of its header; None where there are none."""
     text = header.strip().translate(_WIDE)
-    if len(text) > 1 and text in _USUAL:
-        return text, text
+    if len(text) > 1 and (unit := text.removeprefix("in ")) in _USUAL:  # an oscilloscope's time is in s
+        return unit, unit
     if text.startswith("der("):  # Modelica's derivative
         return text, None
     short = text if len(text) <= _LONGEST else ""
     if behind := _BEHIND.match(short):
         return f"{behind['name']} {behind['tail']}", behind["unit"].strip()
-    if (bare := _BARE.match(short)) and _stands_bare(bare["unit"]):
+    if (bare := _BARE.match(short)) and (
+        _stands_bare(bare["unit"]) or bare["unit"] in _BEHIND_IN.get(bare["sign"], ())
+    ):
         return bare["name"], bare["unit"]
     for opening, closing in ("[]", "()"):
         name, bracket, unit = text[:-1].rpartition(opening)
@@ -229,6 +233,12 @@ class NoUnitError(InputError):
     """A text that is no unit of its channel."""
 
 
+class TwofoldUnitError(InputError):
+    """A text that is one unit to some and another to others. meant : which, the likelier first."""
+
+    meant: tuple[str, ...] = ()
+
+
 class OtherUnitError(InputError):
     """A unit of another kind, or a sensor's own, of which a scale makes one of the channel's."""
 
@@ -256,8 +266,11 @@ def parse_unit(where: str, channel: str, text: str | None) -> Unit:
         return Unit(text, 1.0, False)
     two = _TWOFOLD.search(text)
     if two:
-        accepted = f"{_ONE_OF[two[1].lower()]}"
-        raise InputError(where, f"'{text}' is a length to some and an angle to others", accepted)
+        accepted, *meant = _ONE_OF[two[1].lower()]
+        found = f"'{text}' is a length to some and an angle to others ({accepted})"
+        twofold = TwofoldUnitError(where, found, accepted)
+        twofold.meant = tuple(_TWOFOLD.sub(one, text) for one in meant)
+        raise twofold
     if not text.strip() or not _PLAIN.match(text) or _LARGE_EXPONENT.search(text):
         raise NoUnitError(where, f"'{text}' is not a unit", accepted)
     if STEPS.match(text) and channel in _SCALED:

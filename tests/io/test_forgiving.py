@@ -104,7 +104,9 @@ def pasted(text: str) -> ReadOptions:
     return ReadOptions(columns=words[1], rate=float(words[3]) if len(words) > 2 else None)
 
 
-CANNOT: list[tuple[str, int]] = [("k1,k2,k3", 3), ("time,left,right", 3), ("t,pos,angle", 3)]
+CANNOT: list[tuple[str, int]] = [
+    ("k1,k2,k3", 3), ("time,left,right", 3), ("t,pos,angle", 3), ("in s,C1 in V", 2), ("LECROYWS4054\nTime,Ampl", 2),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("header", "width"), CANNOT)

@@ -1018,6 +1018,28 @@ def unit_in_a_column(folder: Path, m: Motion, rng: np.random.Generator) -> tuple
     return lines(folder / "gauge.csv", "Date,Time,Value,Unit", *body), {"t": m.t, "x": m.x}
 
 
+def wrapped_names(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Names that a spreadsheet wraps, in quotes over two lines."""
+    body = rows(";", 1e3 * m.t, 1e3 * m.x, comma=True)
+    return lines(folder / "rig.csv", '"Zeit\n[ms]";"Weg\nin mm"', *body), {"t": m.t, "x": m.x}
+
+
+def message_of_a_simulator(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """ROS's rostopic echo -p: a speed is called x as the position is."""
+    names = [f"field.{one}" for one in ("pose.position.x", "pose.position.y", "twist.linear.x", "twist.angular.z")]
+    body = [
+        f"{1_700_000_000_000_000_000 + round(1e9 * t)},{row}"
+        for t, row in zip(m.t, rows(",", m.x, 0.0 * m.t, m.v, 0.0 * m.t), strict=True)
+    ]
+    return lines(folder / "echo.csv", ",".join(["%time", *names]), *body), {"t": m.t, "x": m.x, "v": m.v}
+
+
+def rates_of_an_autopilot(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    still = [0.001 * rng.standard_normal(m.t.size) for _ in "yz"]
+    body = [f"{round(1e6 * t) + 100_000},{row}" for t, row in zip(m.t, rows(",", m.v, *still), strict=True)]
+    return lines(folder / "px4.csv", "timestamp,rollspeed,pitchspeed,yawspeed", *body), {"t": m.t, "v": m.v}
+
+
 WRITERS: dict[str, Writer] = {
     one.__name__: one
     for one in (
@@ -1035,5 +1057,6 @@ WRITERS: dict[str, Writer] = {
         quoted_commas, written_in_russia, rockwell, fit_csv, dashboard, spans, phone_records, modelica, plot_juggler,
         motec, racechrono, data_inspector, trackmate, one_value_a_row, influx, streams, unit_beside_value,
         western_micro, opensim_markers, twincat_with_units, settings_of_a_scope, g_of_a_phone, unit_in_a_column,
+        wrapped_names, message_of_a_simulator, rates_of_an_autopilot,
     )
 }  # fmt: skip

@@ -1,5 +1,5 @@
 """Oscilloscopes: Tektronix, whose settings stand beside the first rows, or, as Siglent's, above them; Rigol, which
-tells a step and no times; Keysight, whose names are numbers.
+tells a step and no times; Keysight, whose names are numbers; LeCroy, whose Ampl is in V.
 """
 
 from collections.abc import Sequence
@@ -19,6 +19,9 @@ def _find(lines: Sequence[str], name: str) -> Head | None:
     units = next((line for line in lines[:_DEEP] if line.startswith(_UNITS)), "")
     if units and (head := _below_settings(lines, units)) is not None:
         return head
+    if lines and lines[0].startswith("LECROY") and "Time,Ampl" in (above := [line.strip() for line in lines[:_DEEP]]):
+        fields, units = ("time", "Ampl"), ("s", "V")
+        return Head(first=above.index("Time,Ampl") + 1, fields=fields, units=units, separator=",")
     if len(lines) > 2 and lines[0].startswith("x-axis,") and lines[1].startswith("second,"):
         return _keysight(lines)
     if lines and lines[0].startswith("Record Length,"):

@@ -32,6 +32,8 @@ _UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 """Its mark, in either order of bytes."""
 _CODINGS = ("cp932", "gb18030", "cp949", "cp1251", "cp1250")
 """In which texts that are not UTF-8 are tried, for a word of theirs that says a channel, before they are Latin."""
+_WRAPPED = 10
+"""Lines over which the names of a table go at most."""
 _LOOKED, _ROWS, _HEADS = 60, 3, 2
 """Lines at the beginning in which a table's first is looked for, rows that make one, and lines of names and units."""
 _DEEP = 200
@@ -317,9 +319,22 @@ def _lines(path: Path, data: bytes | bytearray) -> bytes | bytearray:
         data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     if data[:_HEAD].lstrip(b"\xef\xbb\xbf \t\n")[:1] == b"<" and b">" in data[:_HEAD]:
         raise InputError(str(path), "a page of the web or XML, and no table", "the file itself, as text")
+    data = _unwrapped(data)
     rows = data.count(b"\n")
     if rows > MOST_ROWS:
         raise InputError(str(path), f"{rows} lines", f"at most {MOST_ROWS}")
+    return data
+
+
+def _unwrapped(data: bytes | bytearray) -> bytes | bytearray:
+    """A text whose first line holds whole cells: where a name stands in quotes over several lines, as spreadsheets wrap
+    it, these are one.
+    """
+    end = data.find(b"\n", 0, _HEAD)
+    for _ in range(_WRAPPED):
+        if end < 0 or data.count(b'"', 0, end) % 2 == 0:
+            return data[:end].replace(b"\n", b" ") + data[end:] if b"\n" in data[: max(end, 0)] else data
+        end = data.find(b"\n", end + 1, _HEAD)
     return data
 
 
