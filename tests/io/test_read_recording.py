@@ -458,3 +458,30 @@ def test_of_columns_of_one_name_the_first_is_read_and_the_last_is_told(tmp_path:
     last = read_recording(path, ReadOptions(columns=note.split('"')[1]))
     np.testing.assert_allclose(first["x"], np.cos(t), atol=1e-6)
     np.testing.assert_allclose(last["x"], np.sin(t), atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("number", "function", "values", "said"),
+    [
+        ("58", 4, 60, "no time response; expected time responses, data set 58 in ASCII"),
+        ("58b", 1, 60, "no time response; expected time responses, data set 58 in ASCII"),
+        ("58", 1, 70, "data set 1: damaged (60 of 70 values); expected time responses"),
+    ],
+)
+def test_a_universal_file_without_a_response_is_refused(
+    tmp_path: Path, number: str, function: int, values: int, said: str
+) -> None:
+    head = [
+        "    -1",
+        f"    {number}",
+        *["NONE"] * 5,
+        f"{function:5}{1:10}",
+        f"{2:10}{values:10}{1:10}{0.0:13.5e}{0.01:13.5e}",
+    ]
+    axes = [f"{kind:10}{0:5}{0:5}{0:5} {'NONE':20} {'NONE':20}" for kind in (17, 8, 0, 0)]
+    rows = ["".join(f"{v:13.5e}" for v in X[i : i + 6]) for i in range(0, 60, 6)]
+    path = tmp_path / "modal.uff"
+    path.write_text("\n".join([*head, *axes, *rows, "    -1"]))
+    with pytest.raises(InputError) as caught:
+        read_recording(path)
+    assert said in str(caught.value)

@@ -1040,6 +1040,37 @@ def rates_of_an_autopilot(folder: Path, m: Motion, rng: np.random.Generator) -> 
     return lines(folder / "px4.csv", "timestamp,rollspeed,pitchspeed,yawspeed", *body), {"t": m.t, "v": m.v}
 
 
+def control_desk(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """dSPACE's: names and units stand beside the data."""
+    signals = [("Model Root/Slider/pos [mm]", "mm", 1e3 * m.x), ("Model Root/Slider/acc", "m/s^2", m.a)]
+    kind = [("Name", "O"), ("Data", "O"), ("Unit", "O"), ("XIndex", "O")]
+    y, x = np.zeros((1, 2), kind), np.zeros((1, 1), kind)
+    for i, (name, unit, values) in enumerate(signals):
+        y[0, i] = name.replace(" [mm]", ""), values[None, :], unit, 1
+    x[0, 0] = "time", m.t[None, :], "s", 1
+    scipy.io.savemat(folder / "rec1.mat", {"rec1": {"X": x, "Y": y, "Description": "slider"}})
+    return folder / "rec1.mat", {"t": m.t, "x": m.x, "a": m.a}
+
+
+def universal_file(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Data sets 58 of modal analysis, in one and in two precisions, and one that is no time response."""
+    step = m.t[1]
+
+    def data_set(kind: int, unit: str, function: int, values: np.ndarray, wide: bool) -> list[str]:
+        each, shape = (4, "%20.12e") if wide else (6, "%13.5e")
+        head = ["    -1", "    58", "none", "NONE", "14-Mar-26 10:00:00", "NONE", "NONE"]
+        head += [f"{function:5}{1:10}{1:5}{0:10} {'NONE':10}{7:10}{3:4} {'NONE':10}{0:10}{0:4}"]
+        head += [f"{4 if wide else 2:10}{values.size:10}{1:10}{0.0:13.5e}{step:13.5e}{0.0:13.5e}"]
+        axes = [(17, "Time", "s"), (kind, "Response", unit), (0, "NONE", "NONE"), (0, "NONE", "NONE")]
+        head += [f"{i:10}{0:5}{0:5}{0:5} {said:20} {of:20}" for i, said, of in axes]
+        rows = [values[i : i + each] for i in range(0, values.size, each)]
+        return [*head, *("".join(shape % v for v in row) for row in rows), "    -1"]
+
+    body = [*data_set(8, "mm", 1, 1e3 * m.x, True), *data_set(12, "m/s^2", 1, m.a, False)]
+    body += data_set(12, "m/s^2", 4, m.a, False)
+    return lines(folder / "modal.uff", *body), {"t": m.t, "x": m.x, "a": m.a}
+
+
 WRITERS: dict[str, Writer] = {
     one.__name__: one
     for one in (
@@ -1057,6 +1088,6 @@ WRITERS: dict[str, Writer] = {
         quoted_commas, written_in_russia, rockwell, fit_csv, dashboard, spans, phone_records, modelica, plot_juggler,
         motec, racechrono, data_inspector, trackmate, one_value_a_row, influx, streams, unit_beside_value,
         western_micro, opensim_markers, twincat_with_units, settings_of_a_scope, g_of_a_phone, unit_in_a_column,
-        wrapped_names, message_of_a_simulator, rates_of_an_autopilot,
+        wrapped_names, message_of_a_simulator, rates_of_an_autopilot, control_desk, universal_file,
     )
 }  # fmt: skip

@@ -43,7 +43,7 @@ def command(
     and which stands out. One that cannot be used does not stop the rest (exit code 1).
 
     Formats: CSV and text of a dozen programs (also .gz, .zip), Parquet, MATLAB .mat, HDF5, .npz, JSON, .labx, .cmbl,
-    .gambl, .wpilog, Excel and .tdms (extra files), .rrd of ours. Time and one or more of position, speed,
+    .gambl, .wpilog, .uff, Excel and .tdms (extra files), .rrd of ours. Time and one or more of position, speed,
     acceleration, by names, units and numbers, or --columns; headers may carry units, as in "x [mm]". A driven
     recording is refused.
 

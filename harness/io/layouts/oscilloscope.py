@@ -20,8 +20,7 @@ def _find(lines: Sequence[str], name: str) -> Head | None:
     if units and (head := _below_settings(lines, units)) is not None:
         return head
     if lines and lines[0].startswith("LECROY") and "Time,Ampl" in (above := [line.strip() for line in lines[:_DEEP]]):
-        fields, units = ("time", "Ampl"), ("s", "V")
-        return Head(first=above.index("Time,Ampl") + 1, fields=fields, units=units, separator=",")
+        return Head(first=above.index("Time,Ampl") + 1, fields=("time", "Ampl"), units=("s", "V"), separator=",")
     if len(lines) > 2 and lines[0].startswith("x-axis,") and lines[1].startswith("second,"):
         return _keysight(lines)
     if lines and lines[0].startswith("Record Length,"):

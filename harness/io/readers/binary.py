@@ -166,10 +166,16 @@ def _is_list(kind: Any) -> bool:
 
 
 def _flatten(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:
-    """Fields of MATLAB structs as dotted names, structs of an array by their numbers."""
+    """Fields of MATLAB structs as dotted names, structs of an array by their numbers; one that says the name of its
+    data, as those of dSPACE's ControlDesk do, by that name and unit.
+    """
     from scipy.io.matlab import mat_struct
 
     if isinstance(value, mat_struct):
+        said, unit = getattr(value, "Name", None), getattr(value, "Unit", None)
+        if "Data" in value._fieldnames and isinstance(said, str) and said:
+            yield said.replace('"', "") + (f" [{unit}]" if isinstance(unit, str) and unit else ""), value.Data
+            return
         for field in value._fieldnames:
             yield from _flatten(f"{prefix}.{field}", getattr(value, field))
     elif isinstance(value, np.ndarray) and value.dtype == object:
