@@ -114,9 +114,23 @@ def with_error(value: float, stderr: float | None) -> tuple[str, str]:
     return plain(f"{value:.{decimals}f}"), plain(shown) if float(shown) else number(stderr, 2)
 
 
+def shown_unit(unit: str) -> str:
+    """What stands at a number of this SI unit, "mm" for "m"; nothing at a pure number."""
+    return _shown(unit)[0]
+
+
+def shown_number(value: float | None, unit: str, digits: int = 4) -> str:
+    """A number in the unit shown, without it."""
+    return number(None if value is None else value * _shown(unit)[1], digits)
+
+
+def _shown(unit: str) -> tuple[str, float]:
+    return SHOWN.get(unit, ("" if unit == "1" else unit, 1.0))
+
+
 def quantity(p: P) -> tuple[str, str, str]:
     """Value, standard error and unit, in the unit shown; value "\u2013" when it was refused."""
-    unit, factor = SHOWN.get(p.unit, ("" if p.unit == "1" else p.unit, 1.0))
+    unit, factor = _shown(p.unit)
     if p.value is None:
         return NONE, "", unit
     value, stderr = with_error(p.value * factor, None if p.stderr is None else p.stderr * factor)
@@ -127,7 +141,7 @@ def systematic(p: P) -> str:
     """A systematic error that is larger than the standard one, in the unit shown: "\u00b1 0.19 syst."; else nothing."""
     if p.systematic is None or not outweighs(p.systematic, p.stderr):
         return ""
-    return f"\u00b1 {number(p.systematic * (SHOWN[p.unit][1] if p.unit in SHOWN else 1.0), 2)} syst."
+    return f"\u00b1 {shown_number(p.systematic, p.unit, 2)} syst."
 
 
 def sentence_quantity(p: P) -> str:
@@ -139,8 +153,7 @@ def sentence_quantity(p: P) -> str:
 
 def shown_value(value: float, unit: str, digits: int = 3) -> str:
     """A value in SI with its unit, in the unit shown: "12.3 mm"."""
-    name, factor = SHOWN.get(unit, ("" if unit == "1" else unit, 1.0))
-    return f"{number(value * factor, digits)} {name}".strip()
+    return f"{shown_number(value, unit, digits)} {shown_unit(unit)}".strip()
 
 
 @dataclass(frozen=True, slots=True)

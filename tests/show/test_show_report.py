@@ -13,7 +13,7 @@ from show_examples import make_run_result, make_sources
 from harness.core.events import Events
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
-from harness.results.common import P
+from harness.results.common import FleetTrend, P, RepeatedResult
 from harness.results.identify import IdentifyResult
 from harness.results.run import Metrics, RunResult
 from harness.show import blocks as b
@@ -22,6 +22,7 @@ from harness.show.numbers import number, quantity, sentence_quantity, with_error
 from harness.show.report.identify import identify_page
 from harness.show.report.motion import reversal_section, turning
 from harness.show.report.page import render, script_json, share, symbols, whole, write_report
+from harness.show.report.repeated import repeated_table
 from harness.show.report.run import run_page
 
 
@@ -68,6 +69,19 @@ def test_metres_are_shown_in_millimetres() -> None:
     assert quantity(P(value=0.03, stderr=2e-5, unit="m")) == ("30.000", "0.020", "mm")
     assert quantity(P(value=None, stderr=None, unit="1", why="too few")) == ("–", "", "")
     assert sentence_quantity(P(value=0.05, stderr=1e-4, unit="1")) == "0.05000 ± 0.00010"
+
+
+def test_a_row_is_in_the_unit_at_its_head() -> None:
+    """30 mm in every column of its row, a trend in mm too; a pure number has no unit."""
+    trend = FleetTrend(name="load [kg]", slope=P(value=2e-3, stderr=1e-4, unit="m per kg"), differs=True)
+    value = P(value=0.03, stderr=7.5e-4, unit="m", systematic=5e-3)
+    length = RepeatedResult(value=value, expanded=1.5e-3, trends=[trend], within=2e-4, between=1.7e-3, outliers=[])
+    pure = length.model_copy(update={"value": P(value=0.05, stderr=1e-4, unit="1"), "trends": []})
+    table = repeated_table({"x_k": length, "zeta": pure}, "Each by itself.")
+    assert [row.head for row in table.rows] == ["x_k, mm", "zeta"]
+    cells = [cell.text for cell in table.rows[0].cells]
+    assert cells == ["30.00", "1.5", "5.0", "0.20", "1.7", "none", "2.00"]
+    assert table.rows[0].cells[0].notes == ["± 0.75", "± 5.0 syst."]
 
 
 def test_symbols_are_set_and_markup_is_not_let_through() -> None:

@@ -21,7 +21,7 @@ from harness.results.compare import (
 from harness.show import blocks as b
 from harness.show import scene as s
 from harness.show.blocks import Cell, Column, Figure, Page, Row, Section, Table, measured, tabulated, verdict
-from harness.show.numbers import NONE, SHOWN, number, of_names, sentence_quantity, shown_value
+from harness.show.numbers import NONE, SHOWN, number, of_names, sentence_quantity, shown_number, shown_unit, shown_value
 from harness.show.plots import ANGLES, CHANNELS, GROUP, axes, curve, dots, left_by, orbit, per, shades
 from harness.show.report.page import made_with
 from harness.show.sentences import SHOWS, difference_words, faster_words, figure_words, shows, telling
@@ -233,7 +233,7 @@ def models_page(result: ModelsResult, angular: bool = False) -> b.Page:
             b.Column(
                 n,
                 b.by(n, lambda one, n: b.measured(one.parameters.get(n))),
-                p.unit.replace("m", "mm", 1) if p.unit == "m" else p.unit,
+                shown_unit(p.unit),
             )
             for n, p in first.parameters.items()
         ),
@@ -299,11 +299,15 @@ def _table(numbers: Sequence[ChangedNumber]) -> Table:
         Column("after", lambda one: measured(one.after), "", "as before where it did not change"),
         Column("after over before", lambda one: measured(one.ratio), "", "as if it might have changed"),
         Column("changed", lambda one: Cell("yes" if one.changed else "no")),
-        Column("repeats differ by", lambda one: number(one.repeats, 2), "", "standard deviation beyond errors"),
+        Column(
+            "repeats differ by",
+            lambda one: shown_number(one.repeats, _unit(one), 2),
+            "",
+            "standard deviation beyond errors",
+        ),
     ]
-    return tabulated("", columns, numbers, lambda one: one.said + _unit(one))
+    return tabulated("", columns, numbers, lambda one: ", ".join(filter(None, (one.said, shown_unit(_unit(one))))))
 
 
 def _unit(one: ChangedNumber) -> str:
-    unit = NONE if one.before is None else one.before.unit
-    return "" if unit in (NONE, "1", "") else f", {unit}"
+    return "1" if one.before is None else one.before.unit

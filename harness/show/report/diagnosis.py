@@ -18,7 +18,7 @@ from harness.results.diagnosis import (
 )
 from harness.results.fleet import FleetResult
 from harness.show import blocks as b
-from harness.show.numbers import NONE, SHOWN, number, quantity, systematic
+from harness.show.numbers import NONE, SHOWN, number, quantity, shown_number, shown_unit, systematic
 from harness.show.report.curves import damping_section, law_section, statements
 from harness.show.report.diagnosis_figures import Curves, evidence, left, model_names, nameless, probabilities, shares
 from harness.show.report.identify import samples_of
@@ -228,23 +228,29 @@ def _entry(answer: Answer) -> list[str]:
 def _own(result: DiagnosisResult) -> b.Section:
     """A row a recording, of several."""
     first, helped = result.own[0], bool(result.mechanisms)
-    length = first.start["x0"].unit
+    length = shown_unit(first.start["x0"].unit)
     columns = [
         b.Column("begins at", lambda one: one.begins_s, "s", "on the axis of time on which all lie"),
         b.Column("start", lambda one: b.measured(one.start["x0"]), length),
         *([b.Column("zero", lambda one: b.measured(one.zero), length)] if first.zero else []),
     ]
     for c in first.rmse:
+        of, shown = (c, _units(result).get(c, "")), shown_unit(_units(result).get(c, ""))
         columns += [
-            b.Column(f"noise of {c}", b.by(c, lambda one, c: _noise(one.noise[c], 3))),
+            b.Column(f"noise of {c}", b.by(of, lambda one, of: _level(one.noise[of[0]], of[1])), shown),
             b.Column(
-                f"rmse of {c}", b.by(c, lambda one, c: number(one.baseline_rmse[c], 3)), "", "viscous and Coulomb"
+                f"rmse of {c}",
+                b.by(of, lambda one, of: _level(one.baseline_rmse[of[0]], of[1])),
+                shown,
+                "viscous and Coulomb",
             ),
         ]
-        columns += (
-            [b.Column("refined", b.by(c, lambda one, c: number(one.rmse[c], 3)), "", f"rmse of {c}")] if helped else []
-        )
-    alone = [b.Column(n, b.by(n, lambda one, n: b.measured(one.alone[n])), p.unit) for n, p in first.alone.items()]
+        refined = b.Column("refined", b.by(of, lambda one, of: _level(one.rmse[of[0]], of[1])), shown, f"rmse of {c}")
+        columns += [refined] if helped else []
+    alone = [
+        b.Column(n, b.by(n, lambda one, n: b.measured(one.alone[n])), shown_unit(p.unit))
+        for n, p in first.alone.items()
+    ]
     caption, names = "Viscous and Coulomb friction fitted to each by itself.", short_names([o.file for o in result.own])
     tables = [
         b.tabulated("recording", columns, result.own, lambda one: names[one.file], lambda one: "; ".join(one.differs)),
@@ -255,8 +261,9 @@ def _own(result: DiagnosisResult) -> b.Section:
     return b.Section("Recordings of one machine", tables)
 
 
-def _noise(value: float | str | None, digits: int = 4) -> str:
-    return number(value, digits) if isinstance(value, float) else str(value or NONE)
+def _level(value: float | str | None, unit: str) -> str:
+    """A noise or an error in the unit shown, or what is said of it."""
+    return str(value) if isinstance(value, str) else shown_number(value, unit, 3)
 
 
 def _units(result: DiagnosisResult) -> dict[str, str]:

@@ -28,7 +28,7 @@ from harness.show.blocks import (
     tabulated,
     verdict,
 )
-from harness.show.numbers import quantity, sentence_quantity, shown_value
+from harness.show.numbers import quantity, sentence_quantity, shown_unit, shown_value
 from harness.show.plots import (
     ANGLES,
     CHANNELS,
@@ -112,7 +112,7 @@ def _slowing(result: IdentifyResult) -> Section:
     units = {name: getattr(next(iter(result.slowing.values())), name).unit for name in ("f_k", "c")}
     columns = [
         *(
-            Column(name, by(name, lambda one, name: measured(getattr(one[1], name), reasons)), units[name])
+            Column(name, by(name, lambda one, name: measured(getattr(one[1], name), reasons)), shown_unit(units[name]))
             for name in units
         ),
         Column("chi-square", lambda one: one[1].chi2_per_point, "a point", "1 where only noise is left"),

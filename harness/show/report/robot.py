@@ -23,7 +23,7 @@ from harness.results.robot import (
 )
 from harness.results.run import JointRunResult
 from harness.show import blocks as b
-from harness.show.numbers import number, of_engines, of_names, quantity
+from harness.show.numbers import number, of_engines, of_names, quantity, shown_unit
 from harness.show.plots import GROUP, axes, curve, dots, per, plain, some
 from harness.show.report.page import made_with
 from harness.show.stored import AFTER, AFTER_NAME, BEFORE, BEFORE_NAME, Left, Motion, Shown, moved_in
@@ -422,7 +422,7 @@ def fleet_sections(fleet: FleetResult) -> list[b.Section]:
         columns,
         fleet.rows,
         lambda row: f"{row.joint}, {_FRICTION[row.parameter]}{'' if row.speed is None else f' ({row.speed:.2g})'}",
-        lambda row: row.mean.unit,
+        lambda row: shown_unit(row.mean.unit),
     )
     # where logs differ most stands first
     parameters = dict.fromkeys(row.parameter for row in sorted(fleet.rows, key=lambda row: row.chance))
