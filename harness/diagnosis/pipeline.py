@@ -63,7 +63,7 @@ from harness.diagnosis.search.extend import key_of
 from harness.diagnosis.search.search import Search, under
 from harness.diagnosis.stages import Based, Found, Judged
 from harness.diagnosis.tables.step import with_force_tables, with_tables
-from harness.diagnosis.tables.unnamed import beside_curves
+from harness.diagnosis.tables.unnamed import beside_curves, beside_one_curve
 from harness.diagnosis.verdict import judge as verdict_of
 from harness.diagnosis.verdict import weighed
 from harness.kernels.solve import Scales
@@ -154,7 +154,8 @@ def judge(found: Found) -> Judged:
     """The verdict; where no model explains the recording, by how much of the misfit each name takes."""
     if found.by_force is not None:
         return Judged(found, verdict_of(found.search, found.by_force))
-    found = replace(found, search=with_clock(weighed(found.search, found.scales.omega), found.scales))
+    apart = beside_one_curve(weighed(found.search, found.scales.omega), found.scales)
+    found = replace(found, search=with_clock(apart, found.scales))
     clocked = off_the_clock(found.search, found.scales)
     if clocked is not None:
         search, note = clocked
@@ -180,7 +181,7 @@ def judge(found: Found) -> Judged:
         # the main effect with a second law, where both explain what is looked at
         found_pair, scales, left_out = with_second(graded), graded.misfit.scales, graded.misfit.left_out
         if found_pair is not None:
-            pair = weighed(found_pair, scales.omega)
+            pair = beside_one_curve(weighed(found_pair, scales.omega), scales)
             judgement = verdict_of(pair)
             if judgement.verdict == "missing_physics":
                 note = f"the first {left_out:.4g} s, up to the first turning point, took no part"
@@ -326,7 +327,7 @@ def _misfit_said(judged: Judged, graded: Graded) -> Outcome:
         or to_be_sure(mechanisms, rules, "driven" in problem.given),
         warnings=(
             *judged.found.left_out,
-            *cautions_of_misfit(graded, judged.found.search.doubted),
+            *cautions_of_misfit(graded, judged.found.search),
             *by_form(told, bool(others)),
             *judged.found.notes,
         ),

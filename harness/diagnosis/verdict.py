@@ -56,6 +56,7 @@ def judge(found: Search, graded: Contest | None = None) -> Judgement:
     terms = chosen.model.terms
     gates: tuple[Rule, ...] = (AMONG_NAMES, SECOND_TERM) if len(terms) > 1 else (AMONG_NAMES,)
     tested = (OVER_SIMULATED, NULL_DRAWS) if found.by_force else (STRUCTURE_NAMED if terms else STRUCTURE,)
+    tested = (*tested, APART) if found.doubted_by else tested
     if structure and graded is not None:
         return Judgement(_BY_GRADE.get(graded.grade, "unexplained"), graded.refined, (*tested, *graded.rules))
     stands = not structure and not terms and found.problem.holds(chosen.model) is not None

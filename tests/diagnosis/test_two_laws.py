@@ -6,18 +6,26 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import harness
+from harness.core.arrays import FloatArray
 from harness.core.recording import Recording
+from harness.diagnosis.baseline.base_fit import baseline
 from harness.diagnosis.explain.sentences import sentence_of
+from harness.diagnosis.fit.model_fit import fit
+from harness.diagnosis.parameters import base_of, free_of
 from harness.diagnosis.pipeline import diagnose, explain, fit_base, judge, prepare, search
+from harness.diagnosis.problems.free_decay import FreeDecay
 from harness.diagnosis.request import Asked
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import OTHER_FORM, SECOND_TERM, UNSEEN
 from harness.diagnosis.search.search import Search
 from harness.diagnosis.stages import Found, Judged
+from harness.diagnosis.tables.unnamed import beside_one_curve
 from harness.diagnosis.verdict import weighed
-from harness.kernels.solve import solve
+from harness.estimate.noise import Noise
+from harness.kernels.solve import Scales, solve
 from harness.model.model import Model, ModelTerm, Restoring
 from harness.results.diagnosis import DiagnosisResult
 
@@ -102,6 +110,35 @@ def test_no_pair_is_looked_for_on_a_machine(found: Found, main_and_small: Judged
     assert len(found.search.chosen.model.terms) == 1
     assert found.search.left is Left.STRUCTURE
     assert main_and_small.found.search.left is Left.NOISE
+
+
+AT = np.arange(0.0, 8.0, 0.01)
+LAWS = (ModelTerm.named("stribeck", f_s=0.25, v_s=0.04), ModelTerm.named("quadratic-drag", c2=0.2))
+RESISTED = Model(1.0, 0.1, 40.0, 0.1, x0=0.3, terms=LAWS)
+
+
+def as_a_pair(x: FloatArray) -> tuple[Search, Scales]:
+    """A decay of 1 Hz from .3 m, noise .1 mm, of which a Stribeck curve with a drag is said to leave noise."""
+    noisy = {"x": x + 1e-4 * np.random.default_rng(4).standard_normal(AT.size)}
+    problem = FreeDecay(AT, noisy, {"x": Noise(1e-4, True)})
+    base, scales = baseline(problem)
+    pair = fit(RESISTED, problem, free_of(RESISTED, base_of(base.free)), scales)
+    return Search(problem, base, pair, (), (), Left.NOISE), scales
+
+
+def test_two_laws_of_the_speed_are_no_names_for_a_curve_of_it() -> None:
+    def law(t: float, state: FloatArray) -> list[float]:
+        x, v = state
+        return [v, -40.0 * x - 0.1 * v - 0.08 * math.tanh(v / 1e-3) - 0.06 * math.sin(4.0 * v)]
+
+    waves, scales = as_a_pair(solve_ivp(law, (0.0, AT[-1]), (0.3, 0.0), rtol=1e-9, atol=1e-12, t_eval=AT).y[0])
+    found = beside_one_curve(waves, scales)
+    assert (found.left, found.doubted, found.doubted_by) == (Left.STRUCTURE, waves.chosen, "speed")
+
+
+def test_two_laws_of_the_speed_are_named_where_no_smooth_curve_says_as_much() -> None:
+    true, scales = as_a_pair(solve(RESISTED, AT).x)
+    assert beside_one_curve(true, scales) is true
 
 
 DRAG = ModelTerm.named("quadratic-drag", c2=0.2)

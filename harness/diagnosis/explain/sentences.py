@@ -7,7 +7,6 @@ from harness.core.quantity import Quantity, outweighs
 from harness.diagnosis.baseline.words import strokes_of
 from harness.diagnosis.explain.could_hide import Hidden
 from harness.diagnosis.explain.next_experiment import Open, Release, releases
-from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.standard_errors import unit_of
 from harness.diagnosis.grading.contest import Contest, in_step
 from harness.diagnosis.grading.grade import Graded
@@ -273,7 +272,7 @@ def cautions(found: Search, judgement: Judgement, prediction: Holdout) -> tuple[
         return ("friction at rest larger than sliding is static friction's, or Stribeck's, or a bristle's",)
     said = []
     if judgement.verdict == "unexplained":
-        why = "no model fits down to the noise" if found.doubted is None else _followed(found.doubted)
+        why = _unexplained(found)
         if MAIN_FROM in judgement.rules:
             why = f"{' with '.join(key_of(chosen))} would explain it, but a smooth curve of no name may be it as well"
         said.append(f"{why}; standard errors are inflated accordingly")
@@ -304,11 +303,10 @@ def cautions(found: Search, judgement: Judgement, prediction: Holdout) -> tuple[
     return tuple(said)
 
 
-def cautions_of_misfit(graded: Graded, doubted: Fit | None = None) -> tuple[str, ...]:
-    """Of a misfit that no model explains; doubted : a pair that meets the noise on too few words."""
+def cautions_of_misfit(graded: Graded, found: Search) -> tuple[str, ...]:
+    """Of a misfit that no model explains; found : the search that came to nothing."""
     misfit = graded.misfit
-    why = "no model fits down to the noise" if doubted is None else _followed(doubted)
-    said = [f"{why}; standard errors are inflated accordingly"]
+    said = [f"{_unexplained(found)}; standard errors are inflated accordingly"]
     if misfit.left_out > 0.0:
         said.append(f"skipped the first {misfit.left_out:.3g} s, up to the first turning point (release transient)")
     if LEAST_CYCLES in graded.rules:
@@ -333,12 +331,14 @@ def _few(cycles: float, problem: Problem) -> str:
     return f"{cycles:.3g} cycles are too few to exclude every other term; a {of} of {LEAST_CYCLES.value:g} would do"
 
 
-def _followed(pair: Fit) -> str:
-    """Why a pair that meets the noise is no verdict."""
-    return (
-        f"{' with '.join(key_of(pair))} would leave only noise, but two laws can mimic any effect in so few independent"
-        " half-cycles"
-    )
+def _unexplained(found: Search) -> str:
+    """Why there is no verdict, a pair that meets the noise among them."""
+    if found.doubted is None:
+        return "no model fits down to the noise"
+    pair = f"{' with '.join(key_of(found.doubted))} would leave only noise, but"
+    if found.doubted_by:
+        return f"{pair} a smooth curve of the {found.doubted_by} that has no name says as much"
+    return f"{pair} two laws can mimic any effect in so few independent half-cycles"
 
 
 def keeping_time(found: Contest) -> tuple[str, ...]:

@@ -75,7 +75,8 @@ class Search:
     catalogue name alone, best first. rivals : fits of as many terms as the chosen one, best first. left : what the
     chosen model leaves. without : where the chosen model has several terms, it less each of them in turn, the best
     fit known of the rest; None where none could be simulated. by_force : whether the force was fitted. begun : where
-    first looks left each law alone. doubted : a pair that meets the noise on too few words of the motion to say so.
+    first looks left each law alone. doubted : a pair that meets the noise on too few words of the motion to say so, or
+    whose laws are both of ``doubted_by`` ("speed", "position") and no likelier than a smooth curve of it.
     """
 
     problem: Problem
@@ -88,6 +89,7 @@ class Search:
     by_force: bool = False
     begun: tuple[Model, ...] = ()
     doubted: Fit | None = None
+    doubted_by: str = ""
 
     @property
     def explained(self) -> bool:

@@ -49,6 +49,8 @@ RUNGS = (
     Rung("f(x) + f(v)", (_BY_PLACE, _BY_SPEED), ("f(x)", "f(|v|) sgn v")),
 )
 """Simple ones first."""
+OF_PLACE, OF_SPEED = RUNGS[:1], (RUNGS[1], RUNGS[3])
+"""Forces of one variable alone."""
 _PLANE = _table("x, v")
 
 
