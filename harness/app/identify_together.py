@@ -21,7 +21,7 @@ from harness.results.common import P, RepeatedResult, Swing
 from harness.results.diagnosis import UnreadRecording
 from harness.results.identify import QUANTITIES, SLOWING, FailedIdentify, IdentifyResult, RepeatedIdentifyResult
 from harness.results.run import Estimates
-from harness.show.numbers import sentence_quantity
+from harness.show.numbers import sentence_quantity, shown_value
 from harness.show.report.identify_together import repeated_page, repeated_scene
 
 _DROPPED = frozenset({"--out", "--json", "--conditions"})
@@ -211,18 +211,19 @@ def _statement(method: str, shared: Mapping[str, Estimates], together: Mapping[s
 
 
 def _differing(method: str, together: Mapping[str, RepeatedResult], files: Sequence[str]) -> list[str]:
-    """Where the recordings differ by more than their errors, and which stands out."""
+    """Where the recordings differ by more than their errors, with which condition, and which stands out."""
     names, said = short_names(files), []
     for name in (*QUANTITIES, *SLOWING):
         one = together.get(f"{method}.{name}")
         if one is None:
             continue
-        unit = "" if one.value.unit == "1" else f" {one.value.unit}"
         if one.between > one.within:
+            between, within = (shown_value(value, one.value.unit, 2) for value in (one.between, one.within))
             said.append(
-                f"{name} differs between the recordings by {one.between:.2g}{unit} (standard deviation) beyond the"
-                f" {one.within:.2g}{unit} that one is known to."
+                f"{name} differs between the recordings by {between} (standard deviation) beyond the"
+                f" {within} that one is known to."
             )
+        said += [f"{name}: {trend.said}." for trend in one.trends if trend.differs]
         if one.outliers:
             verb = "stands" if len(one.outliers) == 1 else "stand"
             said.append(f"{name} of {', '.join(names[file] for file in one.outliers)} {verb} out from the others.")

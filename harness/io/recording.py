@@ -221,13 +221,13 @@ def _read(path: Path, digest: str, options: ReadOptions) -> Recording:
     covariates = {name: values[rows][keep] for name, values in beside.items()}
     for name, values in (*channels.items(), *covariates.items()):
         _check_rows(table, name, values, rows[keep])
-    _check_signed(table, mappings, channels)
     t = t[keep]
     angular = _angular({channel: unit for channel, (_, unit) in read.items()})
     if "x" in channels and (angular or "v" in channels):
         channels["x"], wrapped = unwrapped(t, channels["x"], channels.get("v"), read["x"][1].factor)
         mended.append(wrapped)
     columns = {c: quoted_of(table, mappings[c], unit) for c, (_, unit) in read.items()}
+    _check_channels(table, mappings, channels, columns)
     mended.append(_without_other_speed(t, channels, columns) if options.columns is None else None)
     if "t" in read:
         t, channels, covariates, edges = _between_counts(t, channels, covariates)
@@ -318,6 +318,21 @@ def _without_other_speed(t: FloatArray, channels: dict[str, FloatArray], columns
         del of["v"]
     found = f"The speed is {value:.4g} times the slope of the position{looks}: the position alone is read"
     return f'{found}; --columns "{both}" reads both.'
+
+
+def _check_channels(
+    table: Table, mappings: dict[str, Mapping], channels: dict[str, FloatArray], columns: dict[str, str]
+) -> None:
+    """Raise InputError where the force has lost its sign, by its name or by what it does beside the position, and, with
+    the columns without it, where a channel of the motion stands still beside one that moves.
+    """
+    _check_signed(table, mappings, channels)
+    spread = {c: float(np.ptp(channels[c])) for c in ("x", "v", "a") if c in channels and channels[c].size}
+    still = [c for c, of in spread.items() if of == 0.0]
+    if still and len(still) < len(spread):
+        found = f"the constant {channels[still[0]][0]:g}"
+        others = [{"columns": ",".join(f"{c}={name}" for c, name in columns.items() if c not in still)}]
+        raise RefusedError(f"{table.path}: column {columns[still[0]]}", found, "a channel that moves", others)
 
 
 def _check_signed(table: Table, mappings: dict[str, Mapping], channels: dict[str, FloatArray]) -> None:

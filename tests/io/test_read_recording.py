@@ -228,6 +228,10 @@ REFUSED: dict[str, tuple[Any, ...]] = {
         "t,x\n" + "".join(f"{t},1.5\n" for t in T),
         "column x: the constant 1.5; expected a channel that moves",
     ),
+    "a constant beside": (
+        "t,x,a [g]\n" + "".join(f"{t},{x},0\n" for t, x in zip(T, X, strict=True)),
+        "column 'a [g]'[g]: the constant 0. Try: --columns \"t=t,x=x\", which reads t 0, ",
+    ),
     "no unit": (headed("t,x [blub]"), "column x: 'blub' is not a unit. Try: --columns \"t=t,x='x [blub]'[m]\""),
     "an astronomer's unit": (headed("t,x [parsec]"), "'parsec' is no unit of a machine: 3.086e+16 in SI units. Try: "),
     "an astronomer's unit in --columns": (

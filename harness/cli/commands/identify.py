@@ -89,7 +89,9 @@ def _print_several(result: "RepeatedIdentifyResult") -> None:
     say(result.statement)
     if result.estimates:
         _methods(result.estimates)
-    show_repeated({name: one for name, one in result.together.items() if name.startswith(f"{result.method}.")})
+    # its trends are among the warnings
+    of_method = {name: one for name, one in result.together.items() if name.startswith(f"{result.method}.")}
+    show_repeated({name: one.model_copy(update={"trends": []}) for name, one in of_method.items()})
     say_all(result.warnings)
     say(f"{len(result.recordings)} recordings, {len(result.failed)} failed")
     say_as_it_is(f"report: {result.files['report']}")
