@@ -343,6 +343,31 @@ def test_presliding_is_told_of_a_joint_that_rests_where_it_turns(length: float, 
     assert numbers["held"].value == pytest.approx(0.8, rel=0.1)
 
 
+@pytest.mark.parametrize("resting", [(6, 15), (2, 7, 11, 15)])
+def test_static_friction_is_told_of_a_joint_that_rests_at_a_few_of_its_reversals(
+    resting: tuple[int, ...], tmp_path: Path
+) -> None:
+    """Two sines of .4 and .29 Hz, held for .3 s at some of 19 reversals by less friction than it slides with."""
+    link = '<body><joint name="j" axis="0 0 1"/><inertial pos="0 0 0" mass="1" diaginertia=".5 .5 .5"/></body>'
+    (tmp_path / "arm.xml").write_text(f"<mujoco><worldbody>{link}</worldbody></mujoco>")
+    turn, size, rng = 2.0 * np.pi * np.array([0.4, 0.29]), np.array([0.3, 0.18]), np.random.default_rng(8)
+    t, fine = np.arange(0.0, 24.0, 0.004), np.arange(0.0, 24.0, 0.0005)
+    ends = fine[np.flatnonzero(np.diff(np.sign(np.cos(np.outer(fine, turn)) @ (size * turn)))) + 1]
+    going, held = t.copy(), np.zeros(t.size, dtype=np.bool_)
+    for k, end in enumerate(ends[list(resting)]):
+        held |= (t > end + 0.3 * k) & (t < end + 0.3 * (k + 1))
+        going = np.where(t > end + 0.3 * k, np.maximum(going - 0.3, end), going)
+    angle = np.outer(going, turn)
+    q, v, a = np.sin(angle) @ size, np.cos(angle) @ (size * turn), -np.sin(angle) @ (size * turn**2)
+    slides = np.sign(v) * (0.8 + 0.2 * np.exp(-((v / 0.06) ** 2))) + 0.1 * v
+    torque = np.where(held, 0.3, 0.5 * a + slides) + 0.004 * rng.standard_normal(t.size)
+    found = whole_arm(JointLog(t, {"j": q}, effort={"j": torque}), load_arm(tmp_path / "arm.xml"))
+    assert found.named == ((STATIC, "j"),)
+    numbers = dict(found.joints[0].effects[0].parameters)
+    for number, true in {"f_s - f_c": 0.2, "v_s": 0.06}.items():
+        assert abs((numbers[number].value or 0.0) - true) < 3.0 * (numbers[number].stderr or 0.0) < 0.4 * true
+
+
 def test_load_and_position_of_one_gravity_joint_are_a_pair() -> None:
     """Alone in its plane, a joint's load is a function of its position: neither can be named without the other."""
     plant, motion = machine()

@@ -12,7 +12,7 @@ from itertools import accumulate
 import numpy as np
 from scipy.special import betainc
 
-from harness.core.arrays import FloatArray, IntArray
+from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.model.terms import backlash, presliding, static_friction
 from harness.robot.whole_arm.columns import DELAY, STRIBECK, Candidate, fall_with_speed, of_friction, signs
 from harness.robot.whole_arm.design import Design, Named, Stretches, Whitened, evidence_of_chance
@@ -78,12 +78,10 @@ def _turned(solved: Solved, joint: int, without: str = "") -> Turned | None:
     part, rigid = design.parts[joint], solved.problem.rigid[:, joint]
     v = filtered.v_fine[:, filtered.dof[joint]]
     turns, rests = reversals(v, filtered.sure_speed(joint)), _rests(filtered, joint)
-    reach, free = GUARD.value / filtered.band.lowpass, filtered.good.copy()
-    for first, last in rests:
-        free &= (filtered.t <= first - reach) | (filtered.t >= last + reach)
-    times = filtered.t_fine[0] + turns / filtered.fine.rate
-    nearest = np.searchsorted((times[1:] + times[:-1]) / 2.0, filtered.t)[free]
-    if np.unique(nearest).size < ENOUGH_TURNS.value:
+    reach, times = GUARD.value / filtered.band.lowpass, filtered.t_fine[0] + turns / filtered.fine.rate
+    free = filtered.good & _clear(filtered.t, rests, reach)
+    at = _Turns(np.searchsorted((times[1:] + times[:-1]) / 2.0, filtered.t)[free], _clear(times, rests, reach))
+    if np.unique(at.nearest).size < ENOUGH_TURNS.value:
         return None
     # without what errors of the model that several joints share take of it
     own = part.torque - design.said(joint, lambda candidate: candidate.joint is None)
@@ -102,25 +100,28 @@ def _turned(solved: Solved, joint: int, without: str = "") -> Turned | None:
     timing = Named(Whitened.of(replace(late, spread=np.array([unseen])), parts))
     plain, held = Design(parts, local), [*local, timing]
     base, moved = Design(parts, held), plain.score(timing.whitened).gain
-    tried = [_tried(base, shape, nearest, moved) for shape in _shapes(filtered, joint, turns, rigid)]
-    tried.append(_tried(plain, late, nearest))
-    found = sorted((one for one in tried if one is not None and _plausible(*one, unseen)), key=lambda one: -one[0].gain)
-    if not found or found[0][0].evidence < NAMED.value:
+    tried = [_tried(base, shape, at, moved) for shape in _shapes(filtered, joint, turns, rigid)]
+    tried.append(_tried(plain, late, at))
+    found = sorted((one for one in tried if one is not None and _plausible(one, unseen)), key=lambda one: -one.gain)
+    if not found or found[0].named.evidence < NAMED.value:
         return None
-    best, _, error, _ = found[0]
+    first, *others = found
     best = replace(
-        best,
-        rivals={one.candidate.key: best.gain - one.gain for one, *_ in found[1:] if one.gain > best.gain - RIVAL.value},
+        first.named,
+        rivals={
+            one.named.candidate.key: first.gain - one.gain for one in others if one.gain > first.gain - RIVAL.value
+        },
     )
     if best.candidate.name == DELAY:
         held, base = local, plain
     (*_, named), fitted = polished(parts, held, best)
     errors = np.sqrt(np.diag(fitted.covariance()))[fitted.places[-1]]
-    errors[0] = max(errors[0], error)
+    errors[0] = max(errors[0], first.error)
     # what a reversal's own rest makes is no presliding
     if named.candidate.name == PRESLIDING and named.value < _within(filtered, joint) + 2.0 * float(errors[-1]):
         return None
-    turning = filtered.good & ~part.stretches.kept
+    # at rest friction is no law's: what only reversals with a rest show has to say that as well
+    turning = (free if first.slid >= NAMED.value else filtered.good) & ~part.stretches.kept
     squares = [float(np.sum(one.left(joint)[turning] ** 2)) for one in (base, fitted)]
     floor = float(np.sum(turning)) * float(solved.problem.noise[joint]) ** 2
     share = float(np.clip((squares[0] - squares[1]) / max(squares[0] - floor, 1e-300), 0.0, 1.0))
@@ -128,6 +129,14 @@ def _turned(solved: Solved, joint: int, without: str = "") -> Turned | None:
     if share <= MAIN.value:
         return None
     return Turned(named, fitted.numbers[fitted.places[-1]], errors, share)
+
+
+def _clear(t: FloatArray, rests: FloatArray, reach: float) -> BoolArray:
+    """Which times (n,) no rest comes as near to as ``reach``, s."""
+    found = np.ones(t.size, dtype=np.bool_)
+    for first, last in rests:
+        found &= (t <= first - reach) | (t >= last + reach)
+    return found
 
 
 def _rests(filtered: Filtered, joint: int) -> FloatArray:
@@ -212,34 +221,72 @@ def bristles(q: FloatArray, length: float) -> FloatArray:
     return np.array(list(accumulate(steps, lambda state, s: s[0] + (state - s[0]) * s[1], initial=float(sign[0]))))
 
 
-def _tried(
-    base: Design, candidate: Candidate, nearest: IntArray, before: float = 0.0
-) -> tuple[Named, float, float, float] | None:
-    """A candidate at its best setting, as sure as the reversals agree on it, its number, the error of that, and Coulomb
-    friction beside it.
+@dataclass(frozen=True, slots=True)
+class _Turns:
+    """nearest (n,) : reversal of each sample that counts. sliding (r,) : reversals at which the joint does not rest."""
 
-    nearest : reversal of each row. before : gain that the base has already.
+    nearest: IntArray
+    sliding: BoolArray
+
+    def agreed(
+        self, number: float, own: FloatArray, left: FloatArray, looks: float, slid: bool = False
+    ) -> tuple[float, float]:
+        """How sure all reversals that count are of a number, or those that ``slid``, and its error.
+
+        own (n,) : its column beyond those of the model. left (n,) : what the model leaves with it.
+        """
+        counted = (self.sliding | (not slid)) & (np.bincount(self.nearest, minlength=self.sliding.size) > 0)
+        many = int(np.sum(counted))
+        if many < ENOUGH_TURNS.value:
+            return 0.0, math.inf
+        pulls, sizes = (np.bincount(self.nearest, own * by, self.sliding.size)[counted] for by in (left, own))
+        more, size = float(np.sum(pulls) / np.sum(sizes)), float(np.sum(sizes))
+        swing = pulls - more * sizes
+        error = math.sqrt(float(swing @ swing) * many / (many - 1)) / size
+        t = ((number + more) / error) ** 2 if error > 0.0 else 1e12
+        chance = float(betainc((many - 1) / 2.0, 0.5, (many - 1) / (many - 1 + t)))
+        return evidence_of_chance(math.log(max(chance, 1e-300)), looks, t), error
+
+
+@dataclass(frozen=True, slots=True)
+class _Tried:
+    """A candidate at its best setting, as sure as the reversals agree on it, its number and the error of that.
+
+    slid : as sure as those agree alone through which the joint slides. coulomb : friction beside it.
     """
+
+    named: Named
+    slid: float
+    number: float
+    error: float
+    coulomb: float
+
+    @property
+    def gain(self) -> float:
+        """What a fit gains by it and what the base has."""
+        return self.named.gain
+
+
+def _tried(base: Design, candidate: Candidate, turns: _Turns, before: float = 0.0) -> _Tried | None:
+    """A candidate beside a base; None where it gains nothing. before : gain that the base has already."""
     score = base.score(Whitened.of(candidate, base.parts))
     if score.gain <= 0.0:
         return None
     with_it = Design(base.parts, [*base.named, score])
     ((_, columns),) = score.columns.items()
     own = base.beyond(columns)[:, 0]
-    scores = np.bincount(nearest, own * with_it.residual[: own.size])
-    turns = int(np.sum(np.bincount(nearest) > 0))
     coulomb = abs(float(with_it.numbers[next(iter(with_it.base.values()))][0]))
     number = float(with_it.numbers[with_it.places[-1]][0])
-    error = math.sqrt(float(scores @ scores) * turns / (turns - 1)) / float(own @ own)
-    t = (number / error) ** 2 if error > 0.0 else 1e12
-    chance = float(betainc((turns - 1) / 2.0, 0.5, (turns - 1) / (turns - 1 + t)))
-    agreed = evidence_of_chance(math.log(max(chance, 1e-300)), score.whitened.looks, t)
-    return replace(score, gain=score.gain + before, evidence=min(agreed, score.evidence)), number, error, coulomb
+    told = number, own, with_it.residual[: own.size], score.whitened.looks
+    (sure, error), (slid, _) = turns.agreed(*told), turns.agreed(*told, slid=True)
+    named = replace(score, gain=score.gain + before, evidence=min(sure, score.evidence))
+    return _Tried(named, min(slid, score.evidence), number, error, coulomb)
 
 
-def _plausible(named: Named, number: float, error: float, coulomb: float, unseen: float) -> bool:
+def _plausible(tried: _Tried, unseen: float) -> bool:
     """Whether the size fits the name."""
-    if named.candidate.name == DELAY:
-        return abs(number) > unseen + 2.0 * error
-    usual = {PRESLIDING: coulomb, BACKLASH: 1.0}.get(named.candidate.name)
+    name, number = tried.named.candidate.name, tried.number
+    if name == DELAY:
+        return abs(number) > unseen + 2.0 * tried.error
+    usual = {PRESLIDING: tried.coulomb, BACKLASH: 1.0}.get(name)
     return number > 0.0 if usual is None else HELD_LEAST.value * usual < number < HELD_MOST.value * usual
