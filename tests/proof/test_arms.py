@@ -12,7 +12,7 @@ from harness.proof.paths import chain, joints, plant
 from harness.proof.paths.arms import Arm, draw_arm
 from harness.proof.paths.files import unpacked
 from harness.proof.paths.forms import ARM
-from harness.proof.paths.made import CONTROL, made
+from harness.proof.paths.made import CONTROL, FORM, made
 from harness.proof.paths.rigs import BARE
 from harness.proof.paths.score import outcome
 from harness.proof.tally import OURS
@@ -114,3 +114,11 @@ def test_friction_of_every_joint_is_found_in_a_clean_log(tmp_path: Path, monkeyp
     for name, true in one.answer["base"].items():
         number = said["refined"]["parameters"][name]
         assert abs(number["value"] - true) < 4.0 * number["stderr"]
+
+
+def test_a_joint_off_its_mark_is_no_load_without_a_mass(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A zero .048 rad off moves a centre of mass, as half a gram does that hangs 33 m away."""
+    monkeypatch.chdir(tmp_path)
+    one = made(7503, 39, ARM, FORM, "arm, a joint off its mark")
+    found = json.loads(answered(OURS, one.answer["arguments"], one.recording))["found"]
+    assert [entry["name"] for entry in found] == ["zero-offset"]

@@ -100,8 +100,10 @@ def test_the_direction_in_which_angles_are_counted_turns_the_offset_alone() -> N
     [
         (lambda v: 0.5 / (1.0 + (v / 0.6) ** 2), "stribeck", {"f_s - f_c": 0.5, "v_s": 0.6}),
         (lambda v: 0.5 * np.exp(-np.abs(v) / 0.5), "stribeck", {"f_s - f_c": 0.5, "v_s": 0.5}),
+        (lambda v: 0.5 * np.abs(v) ** 0.5, "power-law-damping", {"c_p": 0.5, "exponent": 0.5}),
+        (lambda v: 0.5 * np.abs(v) ** 0.5 - 0.3 * np.abs(v), "power-law-damping", {"c_p": 0.5, "exponent": 0.5}),
     ],
-    ids=("Lorentzian", "exponential"),
+    ids=("Lorentzian", "exponential", "power of the speed", "the same without viscous friction"),
 )
 def test_a_law_in_another_form_takes_one_name_with_its_numbers(
     law: Callable[[Any], Any], name: str, numbers: dict[str, float]

@@ -88,7 +88,7 @@ class Candidate:
     or the effect is not what its name says. viscous : it stands in place of the joint's viscous friction. among : what
     a polished one was before. limits : between which its value may come out, by default the first and the last tried.
     bodies : where a load may sit, by value; the first stands unless another is surely better. form : what its law is in
-    place of the catalogue's own formula. forms : the same law in others.
+    place of the catalogue's own formula. forms : the same law in others, or in place of viscous friction.
     """
 
     name: str
@@ -211,6 +211,26 @@ def falling(filtered: Filtered, joint: int, kept: BoolArray) -> Candidate | None
     return replace(own, forms=tuple(others))
 
 
+def concave(filtered: Filtered, joint: int) -> Candidate:
+    """Damping by a power of the speed below one, beside viscous friction or, where that says it, in its place."""
+    v = filtered.v_fine[:, filtered.dof[joint]]
+    sign = signs(v)
+
+    def power(exponent: float) -> FloatArray:
+        return filtered.column((sign * np.abs(v) ** exponent)[:, None])
+
+    found = of_friction(POWER, joint, (("c_p", "N m (s/rad)^p"),), power, ("exponent", "1"), _EXPONENTS)
+    beside = replace(found, positive=True)
+    return replace(beside, forms=(replace(beside, viscous=True),))
+
+
+def convex(filtered: Filtered, joint: int) -> Candidate:
+    """Drag that grows with the square of the speed."""
+    v = filtered.v_fine[:, filtered.dof[joint]]
+    found = of_friction(QUADRATIC, joint, (("c_2", "N m s^2/rad^2"),), filtered.column((v * np.abs(v))[:, None]))
+    return replace(found, positive=True)
+
+
 def friction_candidates(filtered: Filtered, joint: int, gravity: FloatArray, kept: BoolArray) -> Iterator[Candidate]:
     """What is judged on guarded samples ``kept`` (m,); gravity (M,) : torque of gravity on the joint, N m."""
     dof = filtered.dof[joint]
@@ -225,13 +245,8 @@ def friction_candidates(filtered: Filtered, joint: int, gravity: FloatArray, kep
     if np.ptp(gravity) > _NOTHING:
         yield one(LOAD, "share of load", "1", sign * np.abs(gravity), jumps=True)
     yield one(ASYMMETRIC, "half difference", "N m s/rad", np.abs(v))
-    yield replace(one(QUADRATIC, "c_2", "N m s^2/rad^2", v * np.abs(v)), positive=True)
-
-    def power(exponent: float) -> FloatArray:
-        return filtered.column((sign * np.abs(v) ** exponent)[:, None])
-
-    of_power = of_friction(POWER, joint, (("c_p", "N m (s/rad)^p"),), power, ("exponent", "1"), _EXPONENTS)
-    yield replace(of_power, positive=True, viscous=True)
+    yield convex(filtered, joint)
+    yield concave(filtered, joint)
     rising = filtered.column(np.stack((sign * time, v * time), axis=1), jumps=True)
     yield of_friction(DRIFT, joint, (("rise of Coulomb", "N m"), ("rise of viscous", "N m s/rad")), rising)
     span = float(np.ptp(filtered.q[:, dof]))

@@ -5,7 +5,7 @@ The noise of a filtered series with gaps is an autoregression learnt on stretche
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
@@ -376,6 +376,8 @@ class Design:
 
     def score(self, whitened: Whitened) -> Named:
         """What a candidate would add to the model, by its best setting."""
+        if whitened.candidate.viscous:
+            return self._instead(whitened)
         gain, best = 0.0, 0
         spread = whitened.candidate.spread
         for first, block in whitened.blocks():
@@ -398,6 +400,18 @@ class Design:
         count = max(float(np.trace(inverse @ gram)), 1.0) - (whitened.candidate.looks > 1.0)
         gain /= max(1.0, self._forgotten(added, self.residual - added))
         return Named(whitened, best, gain, evidence(gain, count, whitened.looks))
+
+    def _instead(self, whitened: Whitened) -> Named:
+        """The same of a law that stands in place of the joint's viscous friction."""
+        settings = range(len(whitened.candidate.values))
+        every = [Design(self.parts, [*self.named, Named(whitened, i)]) for i in settings]
+        other = min(every, key=lambda one: float(one.residual @ one.residual))
+        gain = float(self.residual @ self.residual - other.residual @ other.residual)
+        if gain <= 0.0 or other.numbers[other.places[-1]][0] <= 0.0:
+            return Named(whitened)
+        left = other.residual[: self.residual.size]
+        gain /= max(1.0, self._forgotten(self.residual - left, left))
+        return replace(other.named[-1], gain=gain, evidence=evidence(gain, 1.0, whitened.looks))
 
     def _gains(self, block: dict[int, FloatArray], spread: FloatArray, positive: bool) -> FloatArray:
         """What each of a block's settings (s,) would gain; positive : nothing where its first number is not above 0."""

@@ -222,6 +222,13 @@ MOMENT_SPREAD = Rule("moment-spread", 0.3, "kg m", "a load is expected so near t
                      "load-spread (3 kg) at the ten centimetres of a gripper or tool")  # fmt: skip
 LOADED = Rule("loaded-bodies", 3.0, "bodies", "a load is looked for on so many bodies, from the last on inwards",
               "a judgement: tools, cameras and valves sit at the wrist, which is turned by three joints")  # fmt: skip
+HELD_WITHIN = Rule(
+    "held-within",
+    1.0,
+    "m",
+    "a load is named no farther from the centre of mass of what holds it",
+    "a judgement: tools are shorter; a moment without a mass is no load, but a centre of mass or a zero",
+)
 LOAD_SPREAD = Rule("load-spread", 3.0, "kg", "loads of this size are expected", "what arms of 20 kg carry")
 GAIN_SPREAD = Rule("gain-spread", 0.2, "1", "scales of torque are expected to be right to this share",
                    "motor constants fall by so much when hot")  # fmt: skip

@@ -4,6 +4,7 @@ Every joint's guarded samples, its base and everything that may be missing are m
 is begun anew with each error of the model corrected whose effect is not linear in its size.
 """
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -16,11 +17,14 @@ from harness.robot.arm import Arm
 from harness.robot.whole_arm.columns import (
     DELAY,
     PAYLOAD,
+    POWER,
     TILT,
     WITHIN_A_SAMPLE,
     ZERO,
     Candidate,
     Key,
+    concave,
+    convex,
     falling,
     friction_candidates,
     model_candidates,
@@ -29,7 +33,7 @@ from harness.robot.whole_arm.columns import (
 from harness.robot.whole_arm.design import Design, Named, Noise, Part, Parts, Stretches, Whitened
 from harness.robot.whole_arm.differentiate import Filtered, differentiate
 from harness.robot.whole_arm.perturb import tilted, with_load, with_zeros
-from harness.robot.whole_arm.rules import GUARD, LEAST_SAMPLES, MOST, NAMED, RIVAL, SIZE, WITHIN
+from harness.robot.whole_arm.rules import GUARD, HELD_WITHIN, LEAST_SAMPLES, MOST, NAMED, RIVAL, SIZE, WITHIN
 
 _EXACT = 3e-4
 """Share of a joint's rms torque to which filter and columns are exact: less is no noise of a sensor."""
@@ -115,7 +119,7 @@ _Guard = tuple[float, BoolArray, FloatArray, Noise]
 def _guarded(filtered: Filtered, joint: int, torque: FloatArray, base: FloatArray, floor: float) -> _Guard:
     """Width, s, and samples of the guard that stands when Coulomb friction moves by less than its error.
 
-    With them Coulomb, viscous friction and offset by plain least squares, and the noise of what is left. Beside a fall
+    With them Coulomb, viscous friction and offset by plain least squares, and the noise of what is left. Beside a bend
     with speed that the narrowest guard shows as surely as a name asks it may as well stand: that moves Coulomb friction
     all the way, and a guard that grew for it would leave none of the samples that tell it.
     """
@@ -133,8 +137,8 @@ def _guarded(filtered: Filtered, joint: int, torque: FloatArray, base: FloatArra
     found = [plain(GUARD.value / filtered.band.lowpass, base)]
     part = Part(torque, base, np.full(base.shape[1], np.inf), Stretches.of(found[0][1]), found[0][3], floor)
     tried = [base]
-    if (fallen := _fallen(filtered, joint, part)) is not None:
-        tried.append(np.column_stack((base, fallen)))
+    if (bent := _bent(filtered, joint, part)) is not None:
+        tried.append(np.column_stack((base, bent)))
         found.append(plain(found[0][0], tried[1]))
     for _ in range(_WIDEST):
         width, kept = found[0][0] * _WIDER, found[0][1]
@@ -147,14 +151,16 @@ def _guarded(filtered: Filtered, joint: int, torque: FloatArray, base: FloatArra
     return found[-1]
 
 
-def _fallen(filtered: Filtered, joint: int, part: Part) -> FloatArray | None:
-    """Column (m, 1) of the fall with speed that guarded samples surely show, None where they show none."""
-    fall, parts = falling(filtered, joint, part.stretches.kept), {joint: part}
+def _bent(filtered: Filtered, joint: int, part: Part) -> FloatArray | None:
+    """Column (m, 1) of the bend with speed that guarded samples surely show, None where they show none."""
+    parts, laws = {joint: part}, [concave(filtered, joint), convex(filtered, joint)]
+    if (fall := falling(filtered, joint, part.stretches.kept)) is not None:
+        laws += fall, *fall.forms
     plain = Design(parts, ())
-    if fall is None or plain.score(Whitened.of(fall, parts)).evidence < NAMED.value:
+    surest = max((plain.score(Whitened.of(law, parts)) for law in laws), key=lambda one: one.gain)
+    if surest.evidence < NAMED.value:
         return None
-    forms = (plain.score(Whitened.of(one, parts)) for one in (fall, *fall.forms))
-    (best,), _ = settled(parts, [max(forms, key=lambda one: one.gain)])
+    (best,), _ = settled(parts, [surest])
     return best.torque[joint][:, :1]
 
 
@@ -164,7 +170,7 @@ def _beside_everything(part: Part, joint: int, candidates: list[Candidate]) -> P
     columns = [part.base]
     # what other zeros change is as good as what a load, masses and a tilt do, and what a power of the speed does is as
     # good as what viscous friction, its fall and a drag do
-    asked = (one for one in candidates if one.joint in (joint, None) and one.name != ZERO and not one.viscous)
+    asked = (one for one in candidates if one.joint in (joint, None) and one.name not in (ZERO, POWER))
     for candidate in asked:
         count = len(candidate.values)
         places = np.unique(np.linspace(0, count - 1, min(count, _SETTINGS)).round().astype(int))
@@ -275,7 +281,7 @@ def _search(problem: Problem, candidates: Sequence[Candidate], forced: Sequence[
         others = _without_its_part(design, best.candidate)
         named, trial = polished(parts, others.named, best)
         before, after = (held_out(one, t) for one in (others, trial))
-        if after >= before or not _sized(trial) or _driving(trial) > _driving(design):
+        if after >= before or not _sized(trial) or not _within_reach(trial) or _driving(trial) > _driving(design):
             refused.add(best.candidate.key)
             continue
         design = trial
@@ -324,6 +330,16 @@ def _sized(design: Design) -> bool:
     )
 
 
+def _within_reach(design: Design) -> bool:
+    """Whether a load that was named last may hang where its moments say, within their errors."""
+    if not design.named[-1].candidate.bodies:
+        return True
+    at = design.places[-1]
+    errors = np.sqrt(np.diag(design.covariance())[at])
+    least = float(np.linalg.norm(np.maximum(np.abs(design.numbers[at]) - 2.0 * errors, 0.0)[1:]))
+    return least <= HELD_WITHIN.value * (abs(float(design.numbers[at][0])) + 2.0 * float(errors[0]))
+
+
 def _driving(design: Design) -> int:
     """How many joints have Coulomb or viscous friction that is surely negative, and would drive."""
     errors = np.sqrt(np.diag(design.covariance()))
@@ -331,21 +347,22 @@ def _driving(design: Design) -> int:
 
 
 def polished(parts: Parts, others: Sequence[Named], named: Named) -> tuple[list[Named], Design]:
-    """What is in a model and a further candidate, all brought to their best values, and the model that has them."""
-    candidate = named.candidate
-    if candidate.viscous:
-        # chosen beside viscous friction, which is gone once it is in
-        every = [Design(parts, [*others, replace(named, setting=i)]) for i in range(len(candidate.values))]
-        named = min(every, key=lambda one: float(one.residual @ one.residual)).named[-1]
-    found = settled(parts, [*others, named])
-    # one law in another form would take a second name for what the first leaves
-    beside, forms = Design(parts, others), list[tuple[list[Named], Design]]()
-    for form in candidate.forms:
+    """What is in a model and a further candidate, all brought to their best values, and the model that has them.
+
+    A law has its own form unless another is surely better, or would drive in it. Viscous friction beside it, a number
+    more, has to be as sure.
+    """
+    forms, beside = named.candidate.forms, Design(parts, others)
+    found, drive = settled(parts, [*others, named]), _driving(beside)
+    least = math.inf if forms and _driving(found[1]) > drive else _squares(found)
+    for form in forms:
         one = beside.score(Whitened.of(form, parts))
-        many = replace(one.whitened, looks=one.whitened.looks * (1 + len(candidate.forms)))
-        forms.append(settled(parts, [*others, replace(one, whitened=many, evidence=named.evidence)]))
-    best = min(forms, key=_squares, default=found)
-    return best if _squares(best) < _squares(found) - RIVAL.value else found
+        many = replace(one.whitened, looks=one.whitened.looks * (1 + len(forms)))
+        tried = settled(parts, [*others, replace(one, whitened=many, evidence=named.evidence)])
+        worth = _squares(tried) + (-RIVAL.value if form.viscous else RIVAL.value)
+        if worth < least and _driving(tried[1]) <= drive:
+            found, least = tried, worth
+    return found
 
 
 def _squares(fitted: tuple[list[Named], Design]) -> float:

@@ -68,7 +68,7 @@ _SAID = {
     LOAD: "Friction grows with the joint's load: {0} of the torque of gravity.",
     ASYMMETRIC: "Viscous friction differs between the directions: by {0} on either side.",
     QUADRATIC: "Drag grows with the square of the speed: {0}.",
-    POWER: "Viscous friction grows less than the speed, with its power {1}: c_p = {0}.",
+    POWER: "Friction has a part that grows with the power {1} of the speed: c_p = {0}.",
     DRIFT: "Friction changes during the log: Coulomb by {0}, viscous by {1}.",
     RIPPLE: "The torque ripples with the position: {0} and {1} (sine and cosine), {2}.",
     POSITION: "Coulomb friction depends on the position: {0} and {1} (sine and cosine), {2}.",
