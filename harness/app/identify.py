@@ -21,6 +21,7 @@ from harness.core.errors import SimulationError
 from harness.core.quantity import Quantity
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
+from harness.core.wording import capitalised
 from harness.diagnosis.fit.rmse import rmse
 from harness.diagnosis.fit.standard_errors import base_parameters, unit_of
 from harness.diagnosis.moves.classify import classify
@@ -246,7 +247,7 @@ def _slowed(
         sensor_phase_rad=P.of(Quantity.refused("rad", "needs a swing")),
         restoring="none",
         baseline=fit,
-        warnings=[*(f"{note[0].upper()}{note[1:]}." for note in ready.notes), *warnings],
+        warnings=[*(f"{capitalised(note)}." for note in ready.notes), *warnings],
         command=command,
         machine=this_machine(),
         files=dict(files or {}),

@@ -38,8 +38,9 @@ class Reduced:
 
     inertia : of what the joint moves. armature : of its rotor, to be added. a, b : of gravity's torque, a hinge's.
     spring, q_ref : the joint's own spring and where it is slack. constant : gravity's force on a slide. slides : no
-    hinge. upright : the axis is along gravity, or there is none. held : the other joints' positions. ratios : by joint
-    that moves with it, how many times as far; its inertia, rotor and weight are in inertia, a and b.
+    hinge. upright : gravity has no torque about it: the axis is along it, or what moves is balanced. held : the other
+    joints' positions. ratios : by joint that moves with it, how many times as far; its inertia, rotor and weight are in
+    inertia, a and b.
     """
 
     joint: str
@@ -85,12 +86,12 @@ class Reduced:
         """The equation with its numbers, in words."""
         inertia, torque, angle = ("kg", "N", "m") if self.slides else ("kg m^2", "N m", "rad")
         rotor = f" with {self.armature:.4g} {inertia} of its rotor" if self.armature else ""
-        locked = "with the other joints locked, " if self.held else ""
+        locked = "with the other joints locked, " if self.held else "joint "
         said = f"{locked}{self.joint}: inertia {self.moved:.4g} {inertia}{rotor}"
         if self.slides:
             said += f", gravity {self.constant:.4g} N" if self.constant else ""
         elif self.upright:
-            said += ", no gravity torque (its axis is vertical)"
+            said += ", no gravity torque (its axis is vertical, or what it moves is balanced about it)"
         else:
             said += f", gravity torque up to {self.gravity:.4g} N m (rest angle {self.q_eq:.4g} rad)"
         if self.spring:

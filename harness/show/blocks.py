@@ -7,6 +7,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from harness.core.arrays import FloatArray
+from harness.core.wording import capitalised
 from harness.results.common import P
 from harness.show.numbers import NONE, number, quantity, systematic
 
@@ -278,15 +279,9 @@ def verdict(
     for sentence in sentences:
         who, colon, said = sentence.partition(": ")
         if colon and who in about:
-            grouped.setdefault(who, []).append(_capital(said))
+            grouped.setdefault(who, []).append(capitalised(said))
         else:
             rest.append(sentence)
     blocks: list[Block] = [Text(headline, "verdict")] if headline else []
     blocks += [Facts({name: " ".join(said) for name, said in grouped.items()}, said=True)] if grouped else []
     return Section(heading, [*blocks, *([Items(rest)] if rest else [])])
-
-
-def _capital(sentence: str) -> str:
-    """Begun with a capital, unless it begins with a symbol such as zeta or x_k."""
-    first = sentence.split(maxsplit=1)[0]
-    return sentence if "_" in first or first == "zeta" else sentence[0].upper() + sentence[1:]

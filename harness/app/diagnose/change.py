@@ -17,6 +17,7 @@ from harness.core.errors import InputError, SimulationError
 from harness.core.quantity import Quantity
 from harness.core.recording import Recording
 from harness.core.telling import listening
+from harness.core.wording import capitalised
 from harness.diagnosis.change import INERTIA, Compared, Number, compared, laws_of
 from harness.diagnosis.moves.classify import classify
 from harness.diagnosis.moves.kinds import MotionKind
@@ -215,7 +216,7 @@ def _switched(given: Sequence[ChangedCovariate]) -> str:
     """Which covariates are not what they were."""
     moved = [one for one in given if abs(one.after - one.before) > _SWITCHED * abs(one.before)]
     said = [f"{one.name} went from {one.before:.3g} to {one.after:.3g}, whose push is accounted for" for one in moved]
-    return f"{_capital('; '.join(said))}. " if said else ""
+    return f"{capitalised('; '.join(said))}. " if said else ""
 
 
 def _numbers(compared: Compared) -> list[ChangedNumber]:
@@ -269,8 +270,8 @@ def _statement(compared: Compared) -> str:
     more = ""
     if found.left < MOVED.value:
         more = " More differs than these numbers say: a law is missing, or it is another machine."
-    stayed = f" {_capital(_listed(same))} stayed." if same else ""
-    return f"{_capital('; '.join(changed))}.{stayed}{more}"
+    stayed = f" {capitalised(_listed(same))} stayed." if same else ""
+    return f"{capitalised('; '.join(changed))}.{stayed}{more}"
 
 
 def _changed(name: str, one: Number | None, compared: Compared) -> str:
@@ -293,7 +294,3 @@ def _within(compared: Compared, name: str) -> str:
 
 def _listed(parts: Sequence[str]) -> str:
     return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}" if parts else "all"
-
-
-def _capital(text: str) -> str:
-    return text[:1].upper() + text[1:]

@@ -18,6 +18,7 @@ from harness.core.events import Mode
 from harness.core.quantity import Quantity
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
+from harness.core.wording import capitalised
 from harness.diagnosis.explain.engines import engine_fit
 from harness.diagnosis.explain.force_map import ForceMap
 from harness.diagnosis.explain.locate import Place, locate, share_within
@@ -114,7 +115,7 @@ def result_of(
     engines = {name: _in_engine(name, outcome, options) for name in options.engines}
     shared = _shared(recording, outcome, options, user)
     info = recording_info(recording, problem.noise)
-    notes = [*info.notes, *(f"{note[0].upper()}{note[1:]}." for note in prepared.notes)]
+    notes = [*info.notes, *(f"{capitalised(note)}." for note in prepared.notes)]
     covariates, best = outcome.refined.model.covariates, dict[str, Tried]()
     for one in sorted(outcome.evidence, key=lambda one: -one.delta_bic):
         best.setdefault(one.name, one)

@@ -17,6 +17,7 @@ from harness.core.errors import InputError, SimulationError
 from harness.core.scenario import Hold, Scenario
 from harness.core.slider import Slider
 from harness.core.trajectory import Source, Trajectory
+from harness.core.wording import capitalised
 from harness.engines import registry
 from harness.engines.base import PRESETS, Preset, Settings, Task
 from harness.fidelity.metrics import reversal_lead_s
@@ -196,7 +197,7 @@ _SOFT_S = 0.2
 def conclusions(result: JointRunResult) -> list[str]:
     """What the engines make of the joint, a sentence each."""
     own, torque = result.reduction, "N" if result.slides else "N m"
-    said = [f"{own.said[0].upper()}{own.said[1:]}"]
+    said = [capitalised(own.said)]
     itself = result.as_it_is[0] if result.as_it_is else None
     gravity = own.gravity if itself is None else itself.gravity
     friction = own.frictionloss if itself is None else max(itself.friction, itself.switched_off)

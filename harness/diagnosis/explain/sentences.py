@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from harness.core.quantity import Quantity, outweighs
+from harness.core.wording import capitalised
 from harness.diagnosis.baseline.words import strokes_of
 from harness.diagnosis.explain.could_hide import Hidden
 from harness.diagnosis.explain.next_experiment import Open, Release, releases
@@ -114,7 +115,7 @@ def _enough(outcome: Outcome, it: str, its: str) -> str:
     first = max(outcome.posterior, key=lambda one: one.probability, default=None)
     if first is not None and first.names and outcome.stepping is None:
         likelier = f"{' with '.join(map(_plain, first.names))} may be missing (P {min(first.probability, _SURE):.2f})"
-        return f"No missing physics is shown: {explain}. {_capital(likelier)}, which this evidence does not decide."
+        return f"No missing physics is shown: {explain}. {capitalised(likelier)}, which this evidence does not decide."
     friction = [q for name, q in outcome.base_parameters.items() if name in _FRICTION]
     if friction and all(q.value is not None and q.value <= _ERRORS * (q.stderr or 0.0) for q in friction):
         return "No missing physics is shown, nor any friction: its numbers are within two standard errors of zero."
@@ -145,9 +146,9 @@ def _one_of(outcome: Outcome, words: Sequence[str], share: str) -> str:
     if likely and sum(likely) < MOST_LIKELY.value:
         return f"Physics is missing, probably no single effect of the catalogue. Nearest{p}: {either}; {first}."
     if left:
-        return f"Dominant effect missing{p}: {names}. {_capital(first)}."
+        return f"Dominant effect missing{p}: {names}. {capitalised(first)}."
     others = "the other does" if len(words) == 2 else "the others do"
-    return f"Missing physics{p}: {names}. {_capital(first)}{'' if surest else f', {others} nearly as well'}."
+    return f"Missing physics{p}: {names}. {capitalised(first)}{'' if surest else f', {others} nearly as well'}."
 
 
 def _residual(outcome: Outcome) -> str:
@@ -160,7 +161,7 @@ def _residual(outcome: Outcome) -> str:
         return ""
     if left.over_noise < _HARDLY:
         return " The residual is little more than the sensors' noise."
-    return f" {_capital(left.looks_like)}, and is {_two_figures(left.over_noise)} times the sensors' noise."
+    return f" {capitalised(left.looks_like)}, and is {_two_figures(left.over_noise)} times the sensors' noise."
 
 
 def _most_likely(outcome: Outcome, does: str, has: Sequence[str]) -> str:
@@ -185,10 +186,6 @@ def _missing(mechanisms: Sequence[Mechanism], has: Sequence[str]) -> str:
 
 def _numbers(one: Mechanism) -> str:
     return ", ".join(f"{name} = {q}" for name, q in one.parameters.items())
-
-
-def _capital(text: str) -> str:
-    return f"{text[0].upper()}{text[1:]}"
 
 
 def _plain(name: str) -> str:

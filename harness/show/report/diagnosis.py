@@ -9,6 +9,7 @@ from typing import TypeAlias
 from harness.core.errors import short_names
 from harness.core.recording import Recording
 from harness.core.trajectory import Trajectory
+from harness.core.wording import capitalised
 from harness.results.diagnosis import (
     AttributionResult,
     DiagnosisResult,
@@ -89,12 +90,8 @@ def diagnosis_page(
 
 def to_change(attribution: AttributionResult) -> list[str]:
     """What a trace reads, and the changes, a sentence each; one of a parameter begins with its symbol."""
-    changes = [one.said if one.kind == "parameter" else _capital(one.said) for one in attribution.changes]
+    changes = [one.said if one.kind == "parameter" else capitalised(one.said) for one in attribution.changes]
     return [*attribution.sentences, *(f"{change}." for change in changes)]
-
-
-def _capital(sentence: str) -> str:
-    return f"{sentence[0].upper()}{sentence[1:]}"
 
 
 def gained(result: DiagnosisResult) -> list[str]:
@@ -131,7 +128,7 @@ def notes(result: DiagnosisResult) -> list[str]:
         others = [f"{a.name} (worse by {number(a.delta_bic, 2)} in BIC)" for a in mechanism.alternatives]
         if others:
             sentences.append(f"The data do not rule out, in place of {mechanism.name}: {', '.join(others)}.")
-    return [_capital(sentence) for sentence in [*sentences, *result.warnings, *result.recording.notes] if sentence]
+    return [capitalised(sentence) for sentence in [*sentences, *result.warnings, *result.recording.notes] if sentence]
 
 
 def _places(result: DiagnosisResult) -> list[str]:
