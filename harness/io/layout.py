@@ -45,7 +45,7 @@ class Layout:
 def separator_of(lines: Sequence[str]) -> tuple[str, str]:
     """The separator and decimal mark of lines, the last of which is a row."""
     last = lines[-1]
-    cells = re.split(r"[;\t\s]+", last)
+    cells = [cell.strip('"') for cell in re.split(r"[;\t\s]+", last)]
     pointed = any(map(_THOUSANDS.match, cells))
     commas = [cell for cell in cells if DECIMAL_COMMA.match(cell) and not pointed]
     text = any(character.isalpha() for character in lines[0])

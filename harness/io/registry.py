@@ -5,6 +5,7 @@ A package adds one by an entry point of group ``harness.readers`` whose value is
 or of group ``harness.layouts``, the Layout.
 """
 
+import json
 import pkgutil
 import re
 from collections.abc import Mapping
@@ -68,12 +69,24 @@ def kind_of(path: Path) -> str:
 
 def reader_for(path: Path) -> Reader | None:
     """The reader of a file by its suffix; where that says none, or a format of numbers in binary, that of text for one
-    that holds rows of numbers as text. None where there is none.
+    that holds rows of numbers as text, and that of JSON for a text of its objects. None where there is none.
     """
     reader = by_suffix().get(kind_of(path))
+    if reader is not None and reader.text and _holds_objects(path):
+        return by_suffix()[".jsonl"]
     if (reader is None or not reader.text) and kind_of(path) not in (OURS, *BAGS) and _holds_rows(path):
         return by_suffix()[".csv"]
     return reader
+
+
+def _holds_objects(path: Path) -> bool:
+    """Whether its first lines are objects of JSON, each whole."""
+    try:
+        with path.open("rb") as file:
+            first, *more = file.read(_LOOKED).split(b"\n")
+        return bool(more) and first.startswith(b"{") and isinstance(json.loads(first), dict)
+    except (OSError, ValueError, RecursionError):
+        return False
 
 
 def _holds_rows(path: Path) -> bool:

@@ -1071,6 +1071,23 @@ def universal_file(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[P
     return lines(folder / "modal.uff", *body), {"t": m.t, "x": m.x, "a": m.a}
 
 
+def quoted_semicolons(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Every cell in quotes, between semicolons and with a decimal comma."""
+    body = [f'"{row}"' for row in rows('";"', m.t, 1e3 * m.x, comma=True)]
+    return lines(folder / "export.csv", '"Zeit [s]";"Weg [mm]"', *body, end="\r\n"), {"t": m.t, "x": m.x}
+
+
+def a_log_with_units(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    body = [f"[{t:10.4f}] INFO pos: {1e3 * x:.4f} mm" for t, x in zip(m.t, m.x, strict=True)]
+    return lines(folder / "serial.log", *body), {"t": m.t, "x": m.x}
+
+
+def objects_in_a_log(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """Lines of JSON in a file that is not called so."""
+    body = [json.dumps({"t": float(t), "pos_mm": 1e3 * float(x)}) for t, x in zip(m.t, m.x, strict=True)]
+    return lines(folder / "telemetry.log", *body), {"t": m.t, "x": m.x}
+
+
 WRITERS: dict[str, Writer] = {
     one.__name__: one
     for one in (
@@ -1089,5 +1106,6 @@ WRITERS: dict[str, Writer] = {
         motec, racechrono, data_inspector, trackmate, one_value_a_row, influx, streams, unit_beside_value,
         western_micro, opensim_markers, twincat_with_units, settings_of_a_scope, g_of_a_phone, unit_in_a_column,
         wrapped_names, message_of_a_simulator, rates_of_an_autopilot, control_desk, universal_file,
+        quoted_semicolons, a_log_with_units, objects_in_a_log,
     )
 }  # fmt: skip

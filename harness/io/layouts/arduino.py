@@ -14,8 +14,11 @@ _STAMPED = re.compile(
     r"|\[?(?P<date>(?:\d{4}-\d\d-\d\d[ T])?\d\d:\d\d:\d\d[.,]\d{3}(?:,?\d{3})?)\]? (?:- )?)(?P<rest>.*)$"
 )
 """Before a line: the monitor's time of day, ESP-IDF's level and ms, a kernel's count of ms or s, a logger's date."""
-_TAGS = re.compile(r"^(?:[\[<(]?(?:[A-Z]{4,8}|inf|dbg|wrn|err)[\])>]?[:,]?\s+(?:- )?(?:[\w.]{1,40}: )?)?")
-"""What loggers put between the stamp and the text: INFO enc:, <inf> main:."""
+_TAGS = re.compile(
+    r"^(?:[\[<(]?(?:[A-Z]{4,8}|inf|dbg|wrn|err)[\])>]?[:,]?\s+(?:- )?(?:[\w.]{1,40}: (?!\S+ [^\W\d_]\S{0,7}$))?)?"
+)
+"""What loggers put between the stamp and the text: INFO enc:, <inf> main:; what stands before one number with its unit
+is its name."""
 _LABELLED = re.compile(
     r"([^\W\d][\w.-]*)\s*[:=]\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)(?:\s*([^\W\d_][\w/^]{0,6}|°)(?![\w.-]*\s*[:=]))?(?=[\s,;]|$)"
 )
