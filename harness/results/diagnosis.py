@@ -100,8 +100,8 @@ class HypothesisResult(Result):
     """What may be missing, and how likely that is."""
 
     names: list[str] = Field(
-        description="of the catalogue, unnamed-curve for a smooth law of the speed, or of the position, that is none of"
-        " them; empty for nothing, or for no name that is the main effect"
+        description="of the catalogue, unnamed-curve for a smooth law of the speed, of the position or of both that is"
+        " none of them; empty for nothing, or for no name that is the main effect"
     )
     probability: float
 

@@ -68,6 +68,25 @@ def test_a_main_effect_stands_beside_any_smooth_curve(graded: Graded) -> None:
     assert [f.name for f in beside_curves(graded).named] == ["quadratic-drag"]
 
 
+@pytest.mark.parametrize(("errors", "known"), [(2.0, 2.0 / 3.0), (0.0, 0.0), (-1.0, 0.0)])
+def test_what_lies_within_the_scatter_of_noise_is_hardly_known(graded: Graded, errors: float, known: float) -> None:
+    """Squares of N values of white noise scatter by sqrt(2/N) of their sum."""
+    seen = graded.misfit
+    noise, samples = seen.noise_left(graded.named[0].fit), float(np.sum(seen.problem.weight["x"]))
+    base = replace(seen.base, chi2=seen.floor(noise) * (1.0 + errors * math.sqrt(2.0 / samples)))
+    assert replace(seen, base=base).known(noise) == pytest.approx(known)
+
+
+def test_a_share_of_what_is_hardly_known_makes_no_name_sure(graded: Graded) -> None:
+    unsure = replace(graded, known=0.3).chance
+    assert graded.known > 0.95
+    assert graded.chance is not None
+    assert unsure is not None
+    odds = [p / (1.0 - p) for p in (unsure, graded.chance)]
+    # of all features that of the share alone: 3.69 is its weight
+    assert odds[0] < odds[1] * (0.3 / graded.known) ** 3.0
+
+
 def test_a_dent_in_a_spring_is_a_curve_of_no_name() -> None:
     """A push at one place of the way, half as strong as the spring there; of the catalogue a ripple says most of it."""
 

@@ -95,7 +95,8 @@ class Finalist:
 class Contest(ABC):
     """Finalists, most evidence first, and what they come to: grade and names, most likely first.
 
-    base_held, base_run : prediction by the base. rules : those that decided.
+    base_held, base_run : prediction by the base. rules : those that decided. known : how well what shares are of is
+    known, that over itself and its standard error.
     """
 
     finalists: tuple[Finalist, ...] = ()
@@ -104,6 +105,7 @@ class Contest(ABC):
     base_held: Predicted | None = None
     base_run: Predicted | None = None
     rules: tuple[Rule, ...] = (GAIN,)
+    known: float = 1.0
 
     @property
     @abstractmethod
@@ -133,9 +135,10 @@ class Contest(ABC):
     def features(self, f: Finalist) -> dict[str, float]:
         """What the odds of a name hang on.
 
-        one; share : log of it; company : its share beside another; loose : log of its loosest relative standard error;
-        easily : log of how often its law takes a misfit that it has not made; cycles : log of them; behind : evidence
-        behind the best, a word; alike : log of the sum of squares of the others' shares, in its own.
+        one; share : log of it, less where what it is of is hardly known; company : its share beside another; loose :
+        log of its loosest relative standard error; easily : log of how often its law takes a misfit that it has not
+        made; cycles : log of them; behind : evidence behind the best, a word; alike : log of the sum of squares of the
+        others' shares, in its own.
         """
         share = max(f.share, _LEAST_SHARE)
         loosest = 1.0 if math.isnan(f.loosest) else min(max(f.loosest, _SURE), _LOOSE)
@@ -143,7 +146,7 @@ class Contest(ABC):
         best = max(o.gain for o in self.standing)
         return {
             "one": 1.0,
-            "share": math.log(share),
+            "share": math.log(max(share * self.known, _LEAST_SHARE)),
             "company": f.share if math.isnan(f.company) else f.company,
             "loose": math.log(loosest),
             "easily": math.log(max(f.fit.model.terms[-1].term.taken, TAKEN.value)),

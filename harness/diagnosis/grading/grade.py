@@ -41,8 +41,8 @@ _FIRST = 4
 class Graded(Contest):
     """What a misfit comes to; the first name's fit is the best model found.
 
-    ahead : by how much more than a margin the evidence of a smooth curve of no name, of the position or of the speed
-    alone, is above the first name's.
+    ahead : by how much more than a margin the evidence of a smooth curve of no name, of the position, of the speed or a
+    sum of both, is above the first name's.
     """
 
     misfit: Misfit
@@ -84,7 +84,10 @@ def grade(misfit: Misfit, begun: Sequence[Model] = ()) -> Graded:
 
     What is named is held against what it was not fitted to.
     """
-    found = _in_its_form(decided(Graded(misfit=misfit, finalists=tuple(ranked(misfit, begun)))))
+    alone = ranked(misfit, begun)
+    nearest = min((f.fit for f in alone), key=lambda f: f.chi2, default=misfit.base)
+    known = misfit.known(misfit.noise_left(nearest))
+    found = _in_its_form(decided(Graded(misfit=misfit, finalists=tuple(alone), known=known)))
     if not found.named:
         return found
     predicted = each(lambda one: _predicted(one, misfit), (misfit.base, *(f.fit for f in found.named)))

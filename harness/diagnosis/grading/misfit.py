@@ -61,6 +61,15 @@ class Misfit:
         """What noise alone would leave of chi-square, in the units of the search."""
         return sum(self._left_by(c, n) for c, n in noise.items())
 
+    def known(self, noise: Mapping[str, Noise]) -> float:
+        """What the base leaves beyond noise, over that and its standard error: squares of noise scatter by chance.
+
+        A share of what is hardly known says little, and 1 where nothing is beyond.
+        """
+        beyond = max(self.base.chi2 - self.floor(noise), 0.0)
+        scatter = math.sqrt(sum(2.0 / max(self._samples(c), 1.0) * self._left_by(c, n) ** 2 for c, n in noise.items()))
+        return beyond / (beyond + scatter) if beyond + scatter > 0.0 else 1.0
+
     def evidence_of(self, one: Fit, noise: Mapping[str, Noise], cells: float = 1.0) -> float:
         """Evidence of a fit over the base, with the sensors' noise as it is left; cells : see ``evidence``.
 

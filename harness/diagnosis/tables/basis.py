@@ -49,8 +49,8 @@ RUNGS = (
     Rung("f(x) + f(v)", (_BY_PLACE, _BY_SPEED), ("f(x)", "f(|v|) sgn v")),
 )
 """Simple ones first."""
-OF_PLACE, OF_SPEED = RUNGS[:1], (RUNGS[1], RUNGS[3])
-"""Forces of one variable alone."""
+OF_PLACE, OF_SPEED, OF_FRICTION = RUNGS[:1], (RUNGS[1], RUNGS[3]), RUNGS[2:3]
+"""Forces of the place alone and of the speed alone, and friction that changes along the way."""
 _PLANE = _table("x, v")
 
 

@@ -17,7 +17,7 @@ from harness.diagnosis.parameters import base_of
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import APART, MARGIN
 from harness.diagnosis.search.search import Search
-from harness.diagnosis.tables.basis import OF_PLACE, OF_SPEED, Rung
+from harness.diagnosis.tables.basis import OF_FRICTION, OF_PLACE, OF_SPEED, RUNGS, Rung
 from harness.diagnosis.tables.beside import MotionLeft
 from harness.diagnosis.tables.fitted import TableFit
 from harness.kernels.solve import Scales
@@ -30,9 +30,10 @@ def beside_curves(graded: Graded) -> Graded:
         return graded
     misfit, first = graded.misfit, graded.named[0].fit
     noise = misfit.noise_left(first)
-    gains = [
-        misfit.evidence_by(curve.squares, curve.effective, noise) for curve in _fitted(misfit, (*OF_PLACE, *OF_SPEED))
-    ]
+    # what friction does along the way has that name in any shape
+    along = first.model.terms[-1].term.slot is Slot.FRICTION_MODULATION
+    curves = _fitted(misfit, [rung for rung in RUNGS if not (along and rung in OF_FRICTION)])
+    gains = [misfit.evidence_by(curve.squares, curve.effective, noise) for curve in curves]
     ahead = max(gains, default=-math.inf) - misfit.evidence_of(first, noise) - margin_of(misfit.words)
     seen = replace(graded, ahead=ahead)
     again = decided(seen)
