@@ -1088,6 +1088,12 @@ def objects_in_a_log(folder: Path, m: Motion, rng: np.random.Generator) -> tuple
     return lines(folder / "telemetry.log", *body), {"t": m.t, "x": m.x}
 
 
+def number_of_a_device(folder: Path, m: Motion, rng: np.random.Generator) -> tuple[Path, Wanted]:
+    """A column called unit that is none of a unit."""
+    body = [f"{row},1" for row in rows(",", m.t, m.x)]
+    return lines(folder / "fleet.csv", "time,value,unit", *body), {"t": m.t, "x": m.x}
+
+
 WRITERS: dict[str, Writer] = {
     one.__name__: one
     for one in (
@@ -1106,6 +1112,6 @@ WRITERS: dict[str, Writer] = {
         motec, racechrono, data_inspector, trackmate, one_value_a_row, influx, streams, unit_beside_value,
         western_micro, opensim_markers, twincat_with_units, settings_of_a_scope, g_of_a_phone, unit_in_a_column,
         wrapped_names, message_of_a_simulator, rates_of_an_autopilot, control_desk, universal_file,
-        quoted_semicolons, a_log_with_units, objects_in_a_log,
+        quoted_semicolons, a_log_with_units, objects_in_a_log, number_of_a_device,
     )
 }  # fmt: skip

@@ -397,10 +397,12 @@ class TextTable(Table):
             self.units |= self._unit_of_start(settings)
 
     def _units_beside(self) -> dict[int, str]:
-        """Units that stand in a column of their own, right of the numbers."""
+        """Units that stand in a column of their own, right of the numbers; a number there is that of a device."""
         of_units = [i for i, name in enumerate(self.names) if i and name.strip().lower() in _UNIT_WORDS]
         said = zip(of_units, self.texts(of_units) if of_units else (), strict=True)
-        return {i - 1: unit for i, unit in said if is_unit(unit) and unit and i - 1 not in self.units}
+        return {
+            i - 1: unit for i, unit in said if unit and not unit.isdigit() and is_unit(unit) and i - 1 not in self.units
+        }
 
     def _unit_of_start(self, settings: dict[str, float]) -> dict[int, str]:
         """The unit of a lone column whose first value a setting above it tells, by the ending of that one's name."""
