@@ -242,11 +242,16 @@ def _joint(late: float = 0.0, jump: float = 0.0, *terms: ModelTerm) -> Recording
     """
     dt, count, random = 0.004, 2.0 * math.pi / 2**16, np.random.default_rng(0)
     t = dt * np.arange(5000.0)
-    u = 9.0 * np.sin(2.7 * t) + 6.0 * np.sin(6.1 * t + 1.0) + 4.0 * np.sin(11.3 * t + 2.0)
-    u += jump * random.standard_normal(t.size)
+
+    def asked(at: FloatArray) -> FloatArray:
+        return np.asarray(9.0 * np.sin(2.7 * at) + 6.0 * np.sin(6.1 * at + 1.0) + 4.0 * np.sin(11.3 * at + 2.0))
+
+    jumps = jump * random.standard_normal(t.size)
+    u = asked(t) + jumps
     truth = Model(0.4, 0.6, 25.0, 2.0, restoring=Restoring.PENDULUM, terms=terms)
     x = solve(truth, t, drive=Drive(t, u, held=True)).x
-    torque = np.interp(t - late * dt, t, u) + 0.02 * random.standard_normal(t.size)
+    # at the time at which it is logged, and not a line between two samples, which is a little less than it
+    torque = asked(t - late * dt) + jumps + 0.02 * random.standard_normal(t.size)
     return Recording(t=t, channels={"x": count * np.round(x / count), "u": torque})
 
 

@@ -46,9 +46,9 @@ def draws(current: Fit, problem: Q, scales: Scales, count: int, beside: float = 
     each = [_Moved.by(current.model.of_recording(r), one, scales) for r, one in enumerate(parts)]
     # of the same way the same blocks
     same = problem.measured.moving if problem.restoring is Restoring.NONE else None
-    random = np.random.default_rng(0)
+    random, each_sample = np.random.default_rng(0), problem.by_noise and problem.each_sample
     for _ in range(count):
-        drawn = Measured.of_several([one.measured(random, beside) for one in each], problem)
+        drawn = Measured.of_several([one.measured(random, beside, each_sample) for one in each], problem)
         if same is not None:
             drawn = drawn.part(same)
         again = replace(problem, fixed=drawn)
@@ -92,20 +92,24 @@ class _Moved:
         problem, drive = self.problem, self.drive
         channels = {c: problem.noise[c].over(self.shown[c], random) for c in problem.channels}
         by, known = problem.measured.by, problem.covariance
-        if known is not None and not problem.noise[by].found:
-            channels[by] = channels[by] + known.motion * random.standard_normal(problem.t.size)
+        if known is not None and (problem.each_sample or not problem.noise[by].found):
+            alone = self.shown[by] if problem.each_sample else channels[by]
+            channels[by] = alone + known.motion * random.standard_normal(problem.t.size)
         force = drive.u
         if self.noise.found:
             force = force + np.interp(drive.t, problem.t, self.noise.drawn(problem.t.size, random))
         return replace(problem, channels=channels, drive=replace(drive, u=force))
 
-    def measured(self, random: np.random.Generator, beside: float) -> Measured:
+    def measured(self, random: np.random.Generator, beside: float, each_sample: bool) -> Measured:
         """The same, smoothed as the recording was."""
-        found, known = Measured.of(self.drawn(random), other=self.problem.measured), self.problem.covariance
+        found = Measured.of(self.drawn(random), other=self.problem.measured, each_sample=each_sample)
+        known = self.problem.covariance
         if known is None:
             return found
         size = min(known.left, beside * known.sensors)
         more = size * random.standard_normal(found.moving.size)
+        if each_sample:
+            return replace(found, recorded=found.recorded + more)
         return replace(found, u=found.u + np.repeat(more, found.u.size // more.size))
 
 

@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from harness.core.errors import SimulationError
 from harness.diagnosis.baseline.base_fit import driven_scales
@@ -56,8 +57,14 @@ _PUSH = next(term for term in NAMED if term.push is not None and len(term.parame
 """The term that does nothing but push."""
 _LOOKED_AT = 5
 """Names that are extended by a further one."""
-_ROUNDS = 2
-"""In which noise and the law beside it are found: under the noise that is found first another law may be nearer."""
+_ROUNDS, _ROUNDS_OF_MEANS = 4, 2
+"""In which noise and the law beside it are found, of samples at most and of means: under the noise that is found first
+another law may be nearer."""
+_LAWS_OF_SAMPLES = 1
+"""Laws that are named by the noise of each sample: what a second one takes there is as small as what smoothing does to
+the first."""
+_AS_LIKELY = 1.0
+"""Of -2 log L, by which a round that changes it less is the last."""
 _FIRST_STEPS, _GO_ON = 3, 2
 """Steps after which of many starts of a law the best go on, and how many: most come to the same place."""
 
@@ -100,29 +107,87 @@ def unseen_mass(found: Fit, problem: InverseDynamics) -> float:
 
 def under_noise(problem: Q) -> Q:
     """The problem with the noise of its sensors, as what the law leaves that says most of the force is likeliest with,
-    and with its force acting when the base model, so weighed, says that it does: a controller that feels its encoder's
-    noise makes the force follow that, which unweighed looks like another time.
+    and with its force acting as and when the recording says that it does.
 
-    What a law that is missing leaves is no noise, nor is what smoothing rounds off: a problem that is not ``by_noise``
-    is given back as it is. Raises SimulationError when the base model cannot be fitted.
+    Noise is that of each sample where one law at most leaves no more of the force than that; else that of what is
+    smoothed. What a law that is missing leaves is no noise, nor is what smoothing rounds off: a problem that is not
+    ``by_noise`` is given back as it is. Raises SimulationError when the base model cannot be fitted.
     """
     if not problem.by_noise:
         return problem
-    measured, scatter = problem.measured, channel_noise(problem.t, problem.drive.at(problem.t), rests=True)
+    drive = problem.drive
+    scatter = channel_noise(problem.t, drive.at(problem.t), rests=True)
     own = scatter.sigma if scatter.found else 0.0
-    for _ in range(_ROUNDS):
-        base, _ = force_baseline(problem)
-        left = problem.rows["u"] - nearest(problem).shown.y["u"]
-        left = left - problem.later(left)[0] * measured.late
-        if not np.any(left):
-            return problem
-        problem = replace(problem, covariance=ForceCovariance.likeliest(measured, base.model, left, own))
+    with suppress(SimulationError):
+        held = Drive(problem.t, drive.at(problem.t), held=True)
+        # which way is told by what the base model leaves, nearly
+        ways = [_of_base(replace(problem, drive=one), own) for one in (drive, held)]
+        likely = _noisy(min(ways, key=_unlikely), own)
+        if likely.covariance is None:
+            return likely
+        found = search_driven(likely).search
+        laws = len(found.chosen.model.terms) - len(found.base.model.terms)
+        if found.left is Left.NOISE and laws <= _LAWS_OF_SAMPLES:
+            return likely
+    return _noisy(replace(problem, each_sample=False), own)
+
+
+def _unlikely(problem: InverseDynamics) -> float:
+    return math.inf if problem.covariance is None else problem.covariance.unlikely
+
+
+def _noisy(problem: Q, own: float) -> Q:
+    """With the likeliest noise, and when its force acts as the base model, so weighed, says: a controller that feels
+    its encoder's noise makes the force follow that, which unweighed looks like another time. own : scatter of the
+    force, N.
+    """
+    asked, later = problem, 0.0
+    for _ in range(_ROUNDS if problem.each_sample else _ROUNDS_OF_MEANS):
+        before, problem = problem, _weighed(problem, own, nearest(problem))
+        if problem.each_sample:
+            # a sample at most, over all
+            base, _ = force_baseline(before)
+            after, share = before.later(before.rows["u"] - base.shown.y["u"], base.shown.dy["u"])
+            by = min(max(later + after, -1.0), 1.0) - later
+            if by and base.residual.size * (1.0 - share) > 2.0 * DECISIVE.value:
+                later += by
+                problem = replace(_acting_later(asked, later), covariance=problem.covariance)
+                continue
+        if abs(_unlikely(problem) - _unlikely(before)) < _AS_LIKELY:
+            break
+    if problem.each_sample:
+        return problem
     after, share = problem.later(problem.rows["u"] - force_baseline(problem)[0].shown.y["u"])
     if share >= FORCE_HELD.value:
         return problem
-    drive, by = problem.drive, after * float(np.median(np.diff(problem.t)))
+    return replace(_acting_later(problem, after), covariance=problem.covariance)
+
+
+def _of_base(problem: Q, own: float) -> Q:
+    return _weighed(problem, own, force_baseline(problem)[0])
+
+
+def _weighed(problem: Q, own: float, law: Fit) -> Q:
+    """With the noise that what a law leaves of the force is likeliest with."""
+    seen, left = problem.measured, problem.rows["u"] - law.shown.y["u"]
+    left = left - problem.later(left)[0] * seen.late
+    if not np.any(left):
+        return problem
+    base = force_baseline(problem)[0].model
+    return replace(problem, covariance=ForceCovariance.likeliest(seen, base, left, own))
+
+
+def _acting_later(problem: Q, samples: float) -> Q:
+    """With its force acting so many samples later, at the same instants, and a sentence that says it."""
+    drive, by = problem.drive, samples * float(np.median(np.diff(problem.t)))
     said = f"The force acts {1e3 * abs(by):.2g} ms {'after' if by > 0.0 else 'before'} its stamps."
-    return replace(problem, drive=replace(drive, t=drive.t + by), enters=(*problem.enters, said))
+    if problem.each_sample:
+        # a line between two samples would be a little less than what was between them
+        at = np.clip(drive.t - by, drive.t[0], drive.t[-1])
+        drive = replace(drive, u=np.asarray(CubicSpline(drive.t, drive.u)(at)))
+    else:
+        drive = replace(drive, t=drive.t + by)
+    return replace(problem, drive=drive, enters=(*problem.enters, said))
 
 
 def moving(found: Fit, problem: InverseDynamics, scales: Scales) -> Fit:
@@ -146,6 +211,11 @@ def search_driven(problem: InverseDynamics, judge: Judge | None = None) -> Force
 
     Raises SimulationError when not even the base model can be fitted.
     """
+    return problem.once(_searched) if judge is None else _searched(problem, judge)
+
+
+def _searched(problem: InverseDynamics, judge: Judge | None = None) -> ForceSearch:
+    """See ``search_driven``."""
     base, scales = force_baseline(problem)
     ground = _pushed(base, problem, scales, judge) or base
     chosen, singles, rivals, path = _grown(ground, base, problem, scales, judge)
@@ -213,9 +283,11 @@ def _grown(
             allowed = [(f, f.spare_within(independent, most)) for f in better]
             better = beyond_chance(allowed, chosen, problem, scales, further)
         # what moves otherwise or cannot be followed is no model of the motion, however well it says the force
-        moves = (f for f in better if _moves(f, least, problem, scales))
+        moves = (
+            f for f in better if _moves(f, least, problem, scales) and (judge or _of_some_size(f, problem, scales))
+        )
         kept = _likeliest_form(moves, independent, problem, scales) if chosen is ground else next(moves, None)
-        if kept is None or not (judge or _of_some_size(kept, problem, scales)):
+        if kept is None:
             break
         if len(chosen.model.terms) == len(ground.model.terms) + 1:
             # one effect in another form than its name's takes two names to follow

@@ -7,7 +7,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray, IntArray
 from harness.diagnosis.baseline.words import Strokes
-from harness.diagnosis.problems.measured import Measured
+from harness.diagnosis.problems.measured import BLOCK, Measured
 from harness.diagnosis.rules import DRIVE_REPEATS, MOST_WORDS, PERIODS_COUNTED, STROKE_CUT
 from harness.fit.series import Memory
 
@@ -67,8 +67,7 @@ def _cut(stroke: IntArray, least: float) -> IntArray:
 
 def period_of(measured: Measured) -> float | None:
     """The period (s) after which the force repeats itself, None where it does not within half of the recording."""
-    blocks = measured.moving.size
-    t, u = (y.reshape(blocks, -1).mean(axis=1) for y in (measured.t, measured.u))
+    t, u = (y.reshape(-1, BLOCK).mean(axis=1) for y in (measured.t, measured.u))
     step = np.diff(t)
     if np.ptp(step) > _EVEN * float(np.median(step)):
         return None

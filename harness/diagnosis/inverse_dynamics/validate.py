@@ -139,7 +139,7 @@ def left_out(
             model = refitted(problem.kept(~out))
         except SimulationError:
             return None
-        left = measured.even(force - measured.asked(model)[0]) ** 2
+        left = problem.weighed(force - measured.asked(model)[0]) ** 2
         squares += np.bincount(block[out].astype(np.int64), left[out], count)
     inside = [t[block == i] for i in range(count)]
     spans = tuple((float(s[0]), float(s[-1])) for s in inside)

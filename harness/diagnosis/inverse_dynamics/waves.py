@@ -11,6 +11,7 @@ import numpy as np
 
 from harness.core.arrays import FloatArray
 from harness.diagnosis.problems.inverse import InverseDynamics
+from harness.diagnosis.problems.measured import BLOCK
 from harness.fit.series import PER_CYCLE, peaks, spectrum
 
 _LONGEST, _SHORTEST = 1.5, 400.0
@@ -37,7 +38,7 @@ def in_time(problem: InverseDynamics, residual: FloatArray, of_friction: bool) -
     """Angular frequencies (k,), rad/s, of a force, or of one that turns round with the motion, in the same way."""
     seen = problem.measured
     size = np.sign(seen.v) if of_friction else np.ones(seen.t.size)
-    most = max(seen.moving.size / _BLOCKS, 2.0 * _SLOWEST)
+    most = max(seen.t.size / BLOCK / _BLOCKS, 2.0 * _SLOWEST)
     periods = list(_waves(problem, residual, seen.t, size, _SLOWEST, most))[:_MOST]
     return 2.0 * math.pi / np.array(periods)
 

@@ -5,8 +5,6 @@ The steps of several driven recordings of one machine, whose force is fitted: wh
 
 from dataclasses import replace
 
-import numpy as np
-
 from harness.diagnosis.explain.force_map import ForceMap, measured_map
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.inverse_dynamics.search import force_baseline, left_said, moving, search_driven, under_noise
@@ -19,7 +17,6 @@ from harness.diagnosis.pooling.pooled import Pooled
 from harness.diagnosis.pooling.repeated import sentences
 from harness.diagnosis.problems.forces_together import ForcesTogether
 from harness.diagnosis.problems.inverse import InverseDynamics
-from harness.diagnosis.problems.measured import BLOCK
 from harness.diagnosis.search.search import under
 from harness.diagnosis.stages import Based, Found, Judged
 from harness.estimate.noise import channel_noise
@@ -60,7 +57,7 @@ class FittedForces(Kind[InverseDynamics]):
         """What is left of the measured force itself, where the slider moves."""
         measured = problem.measured
         left = (measured.u - measured.needed(base.model)) / base.model.m
-        motion = Motion(measured.x, measured.v, ~np.repeat(measured.moving, BLOCK), scales.omega)
+        motion = Motion(measured.x, measured.v, ~measured.slides, scales.omega)
         return measured_map(measured.t, left, channel_noise(measured.t, left).sigma, motion)
 
 

@@ -21,13 +21,26 @@ def sloped(t: FloatArray) -> csr_array:
     return csr_array(diags_array([below, main, above], offsets=[-1, 0, 1]))
 
 
-def spanned(t: FloatArray, of: str) -> csr_array:
+_EVEN = 2.0
+"""How unlike two neighbouring intervals may be for a parabola to be laid through their ends."""
+
+
+def spanned(t: FloatArray, of: str, *, smooth: bool = False) -> csr_array:
     """What the differences of a motion at times t (n,), s, show of a force that is known there, (n, n): of "x" two, of
-    "v" one, each a mean over the intervals that it spans."""
+    "v" one, each a mean over the intervals that it spans, between which the force is straight.
+
+    smooth : that it bends there as a parabola does (Simpson's rule), which what jumps does not.
+    """
     width = np.diff(t)
     own = np.concatenate(([0.0], width)) + np.concatenate((width, [0.0]))
     before, after = np.concatenate(([0.0], width)) / own, np.concatenate((width, [0.0])) / own
     main, below, above = (before + after) / 2.0, before[1:] / 2.0, after[:-1] / 2.0
+    if smooth:
+        ratio = width[1:] / width[:-1]
+        at = 1 + np.flatnonzero((ratio < _EVEN) & (ratio > 1.0 / _EVEN))
+        ratio = ratio[at - 1]
+        main[at] = (2.0 + ratio + 1.0 / ratio) / 6.0
+        below[at - 1], above[at] = (2.0 - ratio) / 6.0, (2.0 - 1.0 / ratio) / 6.0
     once = csr_array(diags_array([below, main, above], offsets=[-1, 0, 1]))
     return once if of == "v" else csr_array(once @ once)
 

@@ -41,33 +41,47 @@ class Passed:
 
 @dataclass(frozen=True, slots=True)
 class Filter:
-    """The cubics, smooth (n, n), and what forces are seen as through them: at the samples, and as means over blocks."""
+    """What forces at the samples are seen as through the cubics, at the samples, and as the values that are fitted.
 
-    smooth: csr_array
+    means (b, n) : over blocks of samples, of what has passed the cubics. shaken (m, 2) : acceleration and speed that
+    the differences of the motion have, at the values that are fitted, and that a model's force there has not.
+    """
+
     samples: Passed
-    blocks: Passed
+    fitted: Passed
+    means: csr_array
+    shaken: FloatArray
 
     @classmethod
-    def of(cls, smooth: csr_array, t: FloatArray, by: str, slope: FloatArray, size: int) -> Self:
+    def of(cls, smooth: csr_array, t: FloatArray, by: str, slope: FloatArray, sizes: tuple[int, int]) -> Self:
         """At times t (n,), s; slope (n,) : differences of the motion, two of "x" or one of "v", as ``by`` says it.
 
-        size : samples of a block, of which n is a multiple.
+        smooth (n, n) : the cubics. sizes : samples of a block, and of a value that is fitted, of both of which n is a
+        multiple; one of a single sample is fitted as it was recorded, through no cubic.
         """
-        through = csr_array(smooth @ spanned(t, by))
-        v, a = smooth @ slope, smooth @ (sloped(t) @ slope)
-        samples, mean = Passed(through, a - through @ a, through @ (slope - v)), _means(t.size, size)
-        return cls(smooth, samples, Passed(csr_array(mean @ through), mean @ samples.a, mean @ samples.v))
+        block, size = sizes
+        spans, bend = csr_array(spanned(t, by, smooth=size == 1)), sloped(t) @ slope
+        v, a, means = smooth @ slope, smooth @ bend, csr_array(_means(t.size, block) @ smooth)
+
+        def passed(through: csr_array) -> Passed:
+            of = csr_array(through @ spans)
+            return Passed(of, through @ bend - of @ a, of @ (slope - v))
+
+        samples = passed(smooth)
+        if size > 1:
+            fitted = passed(means)
+            return cls(samples, fitted, means, np.zeros((fitted.a.size, 2)))
+        # a mass times the noise of its acceleration is noise: no mass is the smaller for it
+        nothing = np.zeros(t.size)
+        shaken = np.column_stack((bend - spans @ a, spans @ (slope - v)))
+        return cls(samples, Passed(spans, nothing, nothing), means, shaken)
 
     @classmethod
     def none(cls, n: int, size: int) -> Self:
         """Of forces that are seen as they are, and as means over blocks."""
         same, nothing, mean = csr_array(eye_array(n)), np.zeros(n), _means(n, size)
-        return cls(same, Passed(same, nothing, nothing), Passed(mean, mean @ nothing, mean @ nothing))
-
-    @property
-    def noise(self) -> csr_array:
-        """What noise of each sample (n,) is in the means over blocks, (b, n)."""
-        return csr_array(_means(self.smooth.shape[0], self.smooth.shape[0] // self.blocks.a.size) @ self.smooth)
+        least = mean @ nothing
+        return cls(Passed(same, nothing, nothing), Passed(mean, least, least), mean, np.zeros((least.size, 2)))
 
 
 def _means(n: int, size: int) -> csr_array:

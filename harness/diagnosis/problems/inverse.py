@@ -19,10 +19,10 @@ from harness.core.events import Events
 from harness.diagnosis.problem import Observation
 from harness.diagnosis.problems.driven import Driven, Forced
 from harness.diagnosis.problems.force_covariance import ForceCovariance, white, white_backwards
-from harness.diagnosis.problems.measured import Measured
+from harness.diagnosis.problems.measured import Measured, least
 from harness.diagnosis.rules import STRUCTURE
 from harness.diagnosis.starts import Windows
-from harness.estimate.noise import Noise
+from harness.estimate.noise import Noise, channel_noise
 from harness.fit.series import memory
 from harness.kernels.solve import By, Effort, Scales
 from harness.model.model import Model
@@ -34,17 +34,19 @@ _SETTLED = 1e-9
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class InverseDynamics(Forced):
-    """The force is what is fitted, as means over blocks of samples; the motion over the windows is only shown.
+    """The force is what is fitted, by samples or as means over blocks; the motion over the windows is only shown.
 
     fixed : motion and force, where they are not as the channels and the drive have them; see ``measured``.
     independent : values that the force left over counts as; None as long as its level, the noise of "u", is not known.
-    covariance : of its values, where the noise of its sensors is known to take part.
+    covariance : of its values, where the noise of its sensors is known to take part. each_sample : whether that is the
+    noise of every sample, and not of what is smoothed.
     """
 
     starts: Windows = field()
     fixed: Measured | None = None
     independent: float | None = None
     covariance: ForceCovariance | None = None
+    each_sample: bool = True
     _made: dict[Callable[..., Any], Any] = field(init=False, default_factory=dict, repr=False, compare=False)
 
     @classmethod
@@ -55,7 +57,7 @@ class InverseDynamics(Forced):
     @property
     def measured(self) -> Measured:
         """Motion and force, smoothed alike. Raises SimulationError when little moves."""
-        return self.once(Measured.of) if self.fixed is None else self.fixed
+        return self.once(_measured) if self.fixed is None else self.fixed
 
     def once(self, work: Callable[[Self], R]) -> R:
         """What work makes of this problem, which does not change: whoever asks again is given the same."""
@@ -66,7 +68,7 @@ class InverseDynamics(Forced):
 
     @property
     def rows(self) -> Mapping[str, FloatArray]:
-        """The force, N, mean over the blocks that count."""
+        """The force, N, at the values that count."""
         return self.once(_rows)
 
     def shows(self, model: Model, by: tuple[By, ...], scales: Scales | None, effort: Effort) -> Observation:
@@ -81,20 +83,23 @@ class InverseDynamics(Forced):
         A force acts, or was measured, up to a sample before or after its stamp: what that makes of it is noise of one
         shape.
         """
+        return {"u": self.weighed(values["u"]) * self.unit}
+
+    def weighed(self, force: FloatArray) -> FloatArray:
+        """The same of a force (m,) or (m, q), in newtons."""
+        even = self._white(self.measured.even(force))
         if not self.by_noise:
-            return {"u": self.measured.even(values["u"]) * self.unit}
-        even, late = self._white(self.measured.even(values["u"])), self._later
+            return even
+        late = self._later
         size = float(late @ late)
         if size > 0.0:
             share = 1.0 - 1.0 / math.sqrt(1.0 + size * self.precision**2)
             even = even - np.multiply.outer(late, share / size * (late @ even))
-        return {"u": even * self.unit}
+        return even
 
     def counted(self, residual: FloatArray) -> FloatArray:
         """What a force at each sample (n,) counts in a whitened residual (m,): through noise and filter backwards."""
-        values = residual
-        if self.by_noise and self.covariance is not None:
-            values = white_backwards(self.once(_factor), values)
+        values = white_backwards(self.once(_factor), residual) if self.by_noise else residual
         return self.measured.counted(self.measured.even(values))
 
     @property
@@ -106,12 +111,15 @@ class InverseDynamics(Forced):
         """
         return self.guarded and not self.alone
 
-    def later(self, left: FloatArray) -> tuple[float, float]:
+    def later(self, left: FloatArray, beside: FloatArray | None = None) -> tuple[float, float]:
         """By how many samples a force acts later, one at most, as what a model leaves of it (m,), N, says.
 
-        And the share of its squares that is left then.
+        And the share of its squares that is left then. beside (m, q) : partials of what is free in the model besides.
         """
         late, left = self._later, self._white(self.measured.even(left))
+        if beside is not None:
+            columns = self._white(self.measured.even(beside))
+            late = late - columns @ np.linalg.lstsq(columns, late, rcond=None)[0]
         size, squares = float(late @ late), float(left @ left)
         if size <= 0.0 or squares <= 0.0:
             return 0.0, 1.0
@@ -123,9 +131,7 @@ class InverseDynamics(Forced):
         return self.once(_late)
 
     def _white(self, values: FloatArray) -> FloatArray:
-        if self.covariance is None:
-            return values
-        return white(self.once(_factor), values)
+        return white(self.once(_factor), values) if self.by_noise else values
 
     @property
     def precision(self) -> float:
@@ -221,16 +227,25 @@ class InverseDynamics(Forced):
 _NO_EVENTS = Events()
 
 
+def _measured(problem: InverseDynamics) -> Measured:
+    """See InverseDynamics.measured."""
+    return Measured.of(problem, each_sample=problem.by_noise and problem.each_sample)
+
+
 def _rows(problem: InverseDynamics) -> Mapping[str, FloatArray]:
     """See InverseDynamics.rows."""
-    return {"u": problem.measured.blocks(problem.measured.u)}
+    seen = problem.measured
+    force = seen.force
+    if problem.by_noise:
+        base = problem.once(_covariance).base
+        force = force - seen.filters[0].shaken @ [base.m, base.c]
+    return {"u": force[seen.moving]}
 
 
 def _mode(problem: InverseDynamics) -> ModeArray:
     """The side to which it slides at every sample of the motion as it was measured, (n,)."""
     seen = problem.measured
-    moving = np.repeat(seen.moving, seen.t.size // seen.moving.size)
-    return np.where(moving, np.sign(seen.v), 0.0).astype(np.int8)
+    return np.where(seen.slides, np.sign(seen.v), 0.0).astype(np.int8)
 
 
 def _late(problem: InverseDynamics) -> FloatArray:
@@ -240,8 +255,16 @@ def _late(problem: InverseDynamics) -> FloatArray:
 
 def _factor(problem: InverseDynamics) -> FloatArray:
     """See ForceCovariance.factor."""
-    assert problem.covariance is not None
-    return problem.covariance.factor(problem.measured)
+    return problem.once(_covariance).factor(problem.measured)
+
+
+def _covariance(problem: InverseDynamics) -> ForceCovariance:
+    """As it was found, or as the sensors' noise lets expect it."""
+    if problem.covariance is not None:
+        return problem.covariance
+    seen = problem.measured
+    scatter = channel_noise(problem.t, problem.drive.at(problem.t), rests=True)
+    return ForceCovariance.expected(seen, problem.first, least(problem, seen.by), scatter.sigma)
 
 
 def _rough(problem: InverseDynamics) -> float:

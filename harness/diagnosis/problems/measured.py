@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.core.errors import SimulationError
@@ -26,9 +27,17 @@ _ALIKE = 1.05
 _AT_REST = 3.0
 """Standard errors below which a speed is none, and friction may have any value."""
 _SOONER = 5
-"""Samples by which a joint rests sooner and longer than its speed shows: with them two standard errors hold 334 of 360
-true values of 90 sound joints, without them 305 of 335, and with ten fewer values are told (controls of
+"""Samples by which a joint that is smoothed rests sooner and longer than its speed shows: with them two standard errors
+hold 334 of 360 true values of 90 sound joints, without them 305 of 335, and with ten fewer values are told (controls of
 ``python -m benchmarks.draws path:robot-joint --draws 60`` with seeds 8104, 8106 and 8109)."""
+_SPREAD = 7.0
+"""Standard deviations within which a block of samples lies that may be at rest: two counts of an encoder, or what noise
+hardly ever leaves."""
+_BENT = 4
+"""A speed that is smoothed over so many samples turns round up to one of these parts of them beside where it does: that
+of a cubic with three times the acceleration on one side shifts by a tenth."""
+_BESIDE = 2
+"""Samples to either side that two differences reach to."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,12 +54,14 @@ class Measured:
 
     covariates : by name, (n,), through the filter that the force passed.
 
-    moving : (n / block,), blocks in which the slider moves throughout, so that its friction is known, and which lie
-    far enough from the ends of a stretch to be smoothed as the others are.
+    moving : (b,), values at which the slider surely moves, so that its friction is known, and which lie far enough from
+    the ends of a stretch: means over blocks or, where the noise of each is known, samples. recorded : (n,), N, the
+    force of these as it was recorded; empty of means.
 
-    laid : of several recordings one behind the other, each with its own clock. level : (n / block,), by which what is
-    left of each is weighed. stands : (n / block,), blocks in which it is at rest throughout. widest : half widths over
-    which most of each channel was smoothed. half : (n,) those of the motion. by : the channel that tells its speed.
+    laid : of several recordings one behind the other, each with its own clock. level : (b,), by which what is left of
+    each is weighed. stands : (n / block,), blocks in which it is at rest throughout. widest : half widths over which
+    most of each channel was smoothed. half : (n,) those of the motion. by : the channel that tells its speed. repeats :
+    (n,) samples in a row with the same reading.
     """
 
     t: FloatArray
@@ -67,12 +78,15 @@ class Measured:
     half: IntArray = field(default_factory=lambda: np.empty(0, np.int64))
     by: str = "x"
     filters: tuple[Filter, ...] = ()
+    repeats: IntArray = field(default_factory=lambda: np.empty(0, np.int64))
+    recorded: FloatArray = field(default_factory=lambda: np.empty(0))
 
     @classmethod
-    def of(cls, problem: Forced, other: "Measured | None" = None) -> "Measured":
+    def of(cls, problem: Forced, other: "Measured | None" = None, *, each_sample: bool = False) -> "Measured":
         """From position or speed; a force that is held counts as it acts. Raises SimulationError when little moves.
 
-        other : a recording as which it is to be smoothed.
+        other : a recording as which it is to be smoothed. each_sample : whether the force is fitted at every sample, as
+        it was recorded.
         """
         if problem.alone:
             return cls.of_several([cls.of(one) for one in problem.alone], problem)
@@ -80,7 +94,7 @@ class Measured:
         longest = longest_interval(t)
         widest = {} if other is None else other.widest
         smooth: dict[str, Smooth] = {
-            c: smoothed(t, y, longest, _least(problem, c), _ALIKE, everywhere=True, widest=widest.get(c))
+            c: smoothed(t, y, longest, least(problem, c), _ALIKE, everywhere=True, widest=widest.get(c))
             for c, y in problem.channels.items()
             if c in ("x", "v")
         }
@@ -98,29 +112,34 @@ class Measured:
         v, a = alike(slope), alike(sloped(t) @ slope)
         v_sd = smooth["v"].value_sd if by == "v" else smooth["x"].slope_sd
         kept = t.size // BLOCK * BLOCK
-        u = alike(felt(problem.drive, t, by))
+        acts = felt(problem.drive, t, by)
         at_rest = np.abs(v) <= _AT_REST * v_sd
         stands = np.all((at_rest & inner(t, longest, half))[:kept].reshape(-1, BLOCK), axis=1)
-        # the speed there has its own reach, and two differences; so has what is compared with it
-        rests = widened(_stands(at_rest), 2 * (half + 2) + _SOONER if problem.guarded else half + 2)
-        if problem.guarded:
-            # within the reach of a cubic and a difference friction turns round; where a servo sticks it has any value
-            at_rest[1:] |= np.sign(v[1:]) != np.sign(v[:-1])
-            at_rest = widened(at_rest, half + 2)
-        at_rest |= rests
-        slides = ~at_rest[:kept].reshape(-1, BLOCK)
+        size = 1 if each_sample else BLOCK
+        turns = np.concatenate(([False], np.sign(v[1:]) != np.sign(v[:-1])))
+        if each_sample:
+            unsure = at_rest | widened(turns, half // _BENT) | _rests(problem, v, widened(at_rest, half + 2))
+            slides = ~widened(unsure, _BESIDE)
+        else:
+            # the speed there has its own reach, and two differences; so has what is compared with it
+            rests = widened(_stands(at_rest), 2 * (half + 2) + _SOONER if problem.guarded else half + 2)
+            if problem.guarded:
+                # within the reach of a cubic and a difference friction turns round; where a servo sticks it has any
+                at_rest = widened(at_rest | turns, half + 2)
+            slides = ~(at_rest | rests)
+        # at the ends of a stretch cubics are off centre, and two differences one-sided
+        near = inner(t[:kept], longest, half[:kept] + 2)
         whole = np.max(np.diff(t[:kept].reshape(-1, BLOCK), axis=1), axis=1) <= longest
-        # two differences at the ends of a stretch are one-sided
-        central = inner(t[:kept], longest, half[:kept] + 2).reshape(-1, BLOCK)
-        moving = whole & np.all(slides & central, axis=1)
-        if np.count_nonzero(moving) < BLOCK:
+        moving = np.all((slides[:kept] & near & np.repeat(whole, BLOCK)).reshape(-1, size), axis=1)
+        if np.count_nonzero(moving) * size < BLOCK * BLOCK:
             raise SimulationError("the slider hardly moves")
         given = {name: alike(y)[:kept] for name, y in problem.covariates.items()}
-        passed = Filter.of(cubics[:kept, :kept], t[:kept], by, slope[:kept], BLOCK)
+        passed = Filter.of(cubics[:kept, :kept], t[:kept], by, slope[:kept], (BLOCK, size))
         chosen = {c: one.widest for c, one in smooth.items()}
         return cls(
-            t[:kept], x[:kept], v[:kept], a[:kept], u[:kept], moving, given, stands=stands, widest=chosen,
-            half=half[:kept], by=by, filters=(passed,),
+            t[:kept], x[:kept], v[:kept], a[:kept], alike(acts)[:kept], moving, given, stands=stands, widest=chosen,
+            half=half[:kept], by=by, filters=(passed,), repeats=_repeats(problem.channels[by])[:kept],
+            recorded=acts[:kept] if each_sample else np.empty(0),
         )  # fmt: skip
 
     @classmethod
@@ -165,6 +184,16 @@ class Measured:
         counted = np.concatenate(([0], np.cumsum(self.moving)))
         return tuple(int(counted[own.samples.start // BLOCK]) for own in self.laid[1:])
 
+    @property
+    def force(self) -> FloatArray:
+        """The values that are fitted, N, (b,), those that do not count among them."""
+        return self.recorded if self.recorded.size else self.u.reshape(self.moving.size, -1).mean(axis=1)
+
+    @property
+    def slides(self) -> BoolArray:
+        """Samples (n,) of the values that count."""
+        return np.repeat(self.moving, self.t.size // self.moving.size)
+
     def even(self, force: FloatArray) -> FloatArray:
         """A force (m,), N, or its partials (m, q), over the level of its recording."""
         if self.level is None:
@@ -172,20 +201,20 @@ class Measured:
         return np.asarray((force.T / self.level[self.moving]).T, dtype=np.float64)
 
     def blocks(self, y: FloatArray) -> FloatArray:
-        """Means of y (n,) or (n, q) over the blocks that count."""
+        """Means of y (n,) or (n, q) over the samples of each value that counts."""
         found: FloatArray = y.reshape(self.moving.size, y.shape[0] // self.moving.size, *y.shape[1:]).mean(axis=1)
         return found[self.moving]
 
     def seen(self, forces: FloatArray) -> FloatArray:
         """Forces at the samples (n, q), N, as they are fitted, (m, q): through the filter of the recorded one."""
-        return np.asarray(np.concatenate([of.blocks.of @ forces[at] for of, at in self._passed])[self.moving])
+        return np.asarray(np.concatenate([of.fitted.of @ forces[at] for of, at in self._passed])[self.moving])
 
     def counted(self, values: FloatArray) -> FloatArray:
         """The other way round: what a force at each sample (n,) counts in a weighed sum of those that are fitted."""
         every = np.zeros(self.moving.size)
         every[self.moving] = values
         size = self.t.size // every.size
-        parts = ((of.blocks.of, every[at.start // size : at.stop // size]) for of, at in self._passed)
+        parts = ((of.fitted.of, every[at.start // size : at.stop // size]) for of, at in self._passed)
         return np.asarray(np.concatenate([of.T @ part for of, part in parts]))
 
     @property
@@ -196,11 +225,11 @@ class Measured:
             yield self.filters[r] if self.filters else Filter.none(at.stop - at.start, size), at
 
     def asked(self, model: Model, by: tuple[By, ...] = ()) -> tuple[FloatArray, FloatArray]:
-        """Force (m,), N, that a model needs for this motion, mean over the blocks that count, and its partials (m, q).
+        """Force (m,), N, that a model needs for this motion, at the values that count, and its partials (m, q).
 
         by : the numbers whose partials are wanted.
         """
-        found = [of.blocks.asked(*one) for of, one in self._needed_by(model, by)]
+        found = [of.fitted.asked(*one) for of, one in self._needed_by(model, by)]
         force, partials = (np.concatenate(each) for each in zip(*found, strict=True))
         return force[self.moving], partials[self.moving]
 
@@ -222,7 +251,7 @@ class Measured:
 
     @property
     def late(self) -> FloatArray:
-        """What a force that acts a sample later would be less, N (m,), mean over the blocks that count.
+        """What a force that acts a sample later would be less, N (m,), at the values that count.
 
         Beside a reversal, where smoothing rounds off a jump of the force, it says nothing of that.
         """
@@ -242,7 +271,7 @@ class Measured:
         return np.asarray(np.mean(left.reshape(-1, BLOCK), axis=1)[self.stands])
 
     def part(self, keep: BoolArray) -> "Measured":
-        """With only these blocks (n / block,) counting."""
+        """With only these values (b,) counting."""
         return replace(self, moving=self.moving & keep)
 
 
@@ -253,7 +282,7 @@ def _telling(smooth: Mapping[str, Smooth]) -> str:
     return "v" if float(np.median(smooth["v"].value_sd)) <= float(np.median(smooth["x"].slope_sd)) else "x"
 
 
-def _least(problem: Problem, channel: str) -> float:
+def least(problem: Problem, channel: str) -> float:
     """Noise below which smoothing need not look: what was found; a floor by convention would round off the motion."""
     noise = problem.noise[channel]
     return noise.sigma if noise.found else noise.step / math.sqrt(12.0)
@@ -266,6 +295,25 @@ def _stands(at_rest: BoolArray) -> BoolArray:
     for begin, end in edges.reshape(-1, 2):
         found[begin:end] = end - begin >= BLOCK
     return found
+
+
+def _rests(problem: Forced, v: FloatArray, near: BoolArray) -> BoolArray:
+    """Samples (n,) of blocks over which the position does not move beyond its noise, though its smoothed speed v (n,),
+    which reaches further, says that it does, or where that was smoothed ``near`` (n,) a rest.
+    """
+    if "x" not in problem.channels:
+        return np.zeros(problem.t.size, dtype=np.bool_)
+    x, least_seen = problem.channels["x"], _SPREAD * least(problem, "x")
+    still = maximum_filter1d(x, BLOCK, mode="nearest") - minimum_filter1d(x, BLOCK, mode="nearest") <= least_seen
+    passed = np.abs(v) * BLOCK * float(np.median(np.diff(problem.t)))
+    return widened(still & (near | (passed > least_seen)), BLOCK // 2)
+
+
+def _repeats(y: FloatArray) -> IntArray:
+    """How many samples in a row have the reading that each of y (n,) has."""
+    begins = np.flatnonzero(np.concatenate(([True], np.diff(y) != 0.0)))
+    runs = np.diff(np.append(begins, y.size))
+    return np.asarray(np.repeat(runs, runs), dtype=np.int64)
 
 
 def widened(mask: BoolArray, reach: int | IntArray) -> BoolArray:

@@ -25,7 +25,7 @@ from harness.diagnosis.inverse_dynamics.validate import held_out, left_out
 from harness.diagnosis.parameters import Free, base_of, free_of, with_friction
 from harness.diagnosis.problem import Problem
 from harness.diagnosis.problems.inverse import InverseDynamics
-from harness.diagnosis.problems.measured import BLOCK, Measured
+from harness.diagnosis.problems.measured import Measured
 from harness.diagnosis.problems.simulated import COARSE, FINE, observe
 from harness.diagnosis.rules import PATH_AGAIN, PATH_APART, TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS
 from harness.diagnosis.tables.basis import RUNGS, Basis, Rung, basis_of, over_plane
@@ -222,7 +222,7 @@ class ForceLeft(Beside):
         # from the problem's units to those of a misfit
         self.weight = math.sqrt(squares / max(start.chi2, 1e-300))
         measured = problem.measured
-        inside = np.repeat(measured.moving, BLOCK)
+        inside = measured.slides
         self.motion = measured.x[inside] - start.model.offset, measured.v[inside]
 
     @property
