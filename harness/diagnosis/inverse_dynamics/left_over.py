@@ -46,7 +46,7 @@ def draws(current: Fit, problem: Q, scales: Scales, count: int, beside: float = 
     each = [_Moved.by(current.model.of_recording(r), one, scales) for r, one in enumerate(parts)]
     # of the same way the same blocks
     same = problem.measured.moving if problem.restoring is Restoring.NONE else None
-    random, each_sample = np.random.default_rng(0), problem.by_noise and problem.each_sample
+    random, each_sample = np.random.default_rng(0), problem.sample_by_sample
     for _ in range(count):
         drawn = Measured.of_several([one.measured(random, beside, each_sample) for one in each], problem)
         if same is not None:

@@ -80,8 +80,8 @@ class Filter:
     def none(cls, n: int, size: int) -> Self:
         """Of forces that are seen as they are, and as means over blocks."""
         same, nothing, mean = csr_array(eye_array(n)), np.zeros(n), _means(n, size)
-        least = mean @ nothing
-        return cls(Passed(same, nothing, nothing), Passed(mean, least, least), mean, np.zeros((least.size, 2)))
+        fitted = Passed(mean, mean @ nothing, mean @ nothing)
+        return cls(Passed(same, nothing, nothing), fitted, mean, np.zeros((fitted.a.size, 2)))
 
 
 def _means(n: int, size: int) -> csr_array:

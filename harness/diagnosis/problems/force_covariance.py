@@ -27,6 +27,7 @@ _STARTS = ((-0.3, -1.5, -0.8), (-1.5, -0.3, -0.8), (-0.5, -0.5, -0.3))
 _LEAST_EACH = np.array([-2.0, -4.0, -4.0])
 """The least of each sample, most of which the motion's noise makes."""
 _STARTS_EACH = ((0.0, -3.0, -3.0), (-0.3, -1.0, -2.0), (-1.0, -0.3, -1.0))
+"""The same of each sample: the motion alone, mostly the motion, mostly the force."""
 _KNOWN = 1e-3
 """Of a force's rms, better than which none is known at any sample."""
 _ENDS = {"xatol": 0.02, "fatol": 0.1, "maxfev": 120}
@@ -55,8 +56,7 @@ class ForceCovariance:
     @classmethod
     def expected(cls, seen: Measured, base: Model, motion: float, scatter: float) -> "ForceCovariance":
         """As the noise of the channels by themselves lets expect it."""
-        least = _KNOWN * float(np.sqrt(np.mean(seen.u**2)))
-        return _Units.of(seen, base).parts(motion, scatter, least, scatter)
+        return _Units.of(seen, base).parts(motion, scatter, _least_known(seen), scatter)
 
     @classmethod
     def likeliest(cls, seen: Measured, base: Model, residual: FloatArray, scatter: float) -> "ForceCovariance":
@@ -69,7 +69,7 @@ class ForceCovariance:
         size = math.sqrt(float(np.mean(residual**2)))
         per = size / np.sqrt([float(np.median(one[0])) for one in (units.motion, units.force)])
         lowest, begun = (_LEAST_EACH, _STARTS_EACH) if units.each_sample else (_LEAST, _STARTS)
-        least = _KNOWN * float(np.sqrt(np.mean(seen.u**2))) if units.each_sample else 0.0
+        least = _least_known(seen) if units.each_sample else 0.0
 
         def sizes(powers: FloatArray) -> tuple[float, float, float]:
             motion, force, left = (10.0 ** np.clip(powers, lowest, _MOST) * [*per, size]).tolist()
@@ -141,6 +141,11 @@ class _Units:
         usual = math.sqrt((motion * self.of_motion) ** 2 + (force * self.of_force) ** 2 + (left * means) ** 2)
         sensors = math.hypot(motion * self.of_motion, scatter * self.of_force) / means
         return ForceCovariance(self.base, motion, force, left, sensors, usual)
+
+
+def _least_known(seen: Measured) -> float:
+    """What is not known of the force at any sample, N, at least."""
+    return _KNOWN * float(np.sqrt(np.mean(seen.u**2)))
 
 
 def white(factor: FloatArray, values: FloatArray) -> FloatArray:

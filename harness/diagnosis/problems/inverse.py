@@ -111,6 +111,11 @@ class InverseDynamics(Forced):
         """
         return self.guarded and not self.alone
 
+    @property
+    def sample_by_sample(self) -> bool:
+        """Whether the noise of every sample weighs it, and not that of what is smoothed."""
+        return self.by_noise and self.each_sample
+
     def later(self, left: FloatArray, beside: FloatArray | None = None) -> tuple[float, float]:
         """By how many samples a force acts later, one at most, as what a model leaves of it (m,), N, says.
 
@@ -229,7 +234,7 @@ _NO_EVENTS = Events()
 
 def _measured(problem: InverseDynamics) -> Measured:
     """See InverseDynamics.measured."""
-    return Measured.of(problem, each_sample=problem.by_noise and problem.each_sample)
+    return Measured.of(problem, each_sample=problem.sample_by_sample)
 
 
 def _rows(problem: InverseDynamics) -> Mapping[str, FloatArray]:
