@@ -51,6 +51,11 @@ def walk() -> FloatArray:
     return np.cumsum(np.random.default_rng(3).standard_normal(2000))
 
 
+def unseen(one: Recording, *spans: tuple[float, float]) -> Recording:
+    """Without the samples between times, s, of a logger that lost them."""
+    return one.cut(~np.any([(one.t > low) & (one.t < high) for low, high in spans], axis=0))
+
+
 CASES: dict[str, Callable[[], Recording]] = {
     "free-decay": lambda: noisy("x", decay(T)),
     "several-decays": lambda: noisy("x", again(3)),
@@ -169,6 +174,39 @@ def test_several_decays_are_cut_and_each_is_one() -> None:
     assert len(spans) == 3
     for low, high in spans:
         assert harness.motion(whole.cut((whole.t >= low) & (whole.t <= high))).kind == "free-decay"
+
+
+@pytest.mark.parametrize(
+    ("whole", "lost"),
+    [
+        # half a cycle, many, a part of one at each of three places, the ends of what a sensor overran
+        (noisy("x", decay(T)), [(5.0, 5.5)]),
+        (noisy("x", decay(T)), [(4.1, 9.3)]),
+        (noisy("x", decay(T)), [(2.0, 2.3), (5.1, 5.6), (9.0, 9.9)]),
+        (noisy("v", decay(T)), [(3.3, 4.6)]),
+        (noisy("a", decay(T)), [(3.25, 3.75)]),
+    ],
+)
+def test_a_gap_is_no_second_release(whole: Recording, lost: list[tuple[float, float]]) -> None:
+    """The amplitude goes on from before it, whatever half-swings it hides; the damping is that of the whole."""
+    recording = unseen(whole, *lost)
+    assert harness.motion(recording).kind == "free-decay"
+    baseline = harness.identify(recording).baseline
+    assert baseline is not None
+    zeta = baseline.parameters["zeta"]
+    assert zeta.value == pytest.approx(0.2 / np.hypot(0.2, W), abs=5.0 * (zeta.stderr or 0.0))
+
+
+def test_a_gap_in_which_it_was_let_go_again_parts_two_decays() -> None:
+    """The second begins three times as large as the first ended; where it was held, nobody recorded."""
+    whole = CASES["several-decays"]()
+    first, second, third = harness.motion(whole).spans_s
+    between = [(first[1] - 6.0, second[0] + 0.6), (second[1] - 6.0, third[0] + 0.6)]
+    found = harness.motion(unseen(whole, *between))
+    assert found.kind == "several-decays"
+    for (low, high), (_, end), (begin, _) in zip(between, found.spans_s[:-1], found.spans_s[1:], strict=True):
+        assert end <= low
+        assert begin >= high
 
 
 def test_of_several_decays_one_is_identified_and_the_others_are_told() -> None:

@@ -49,6 +49,8 @@ _TRIED = 3
 """Recordings whose own fits are starts of a common one, beside the mean of all."""
 _MANY_CYCLES = 20.0
 """A phase that is off by a hundredth, as a spectrum gives it, has then slipped by a radian."""
+_WHOLE = 0.75
+"""Of the samples that a cycle has, from which it shows its size: both its turning points lie in any so many."""
 _ABOVE_NOISE = 0.15
 """Of the first peak: smaller ones may be noise or rest, and do not count for the decay that a fit starts from."""
 
@@ -76,11 +78,14 @@ def dominant_frequency(t: FloatArray, y: FloatArray) -> float:
 def _decay(t: FloatArray, y: FloatArray, omega: float) -> float:
     """Relative loss of amplitude per radian over the recording: an effective damping ratio."""
     cycle = 2.0 * math.pi / omega
-    each = [float(np.ptp(y[(t >= e) & (t < e + cycle)])) for e in np.arange(t[0], t[-1], cycle)[:-1]]
-    seen = [p for p in each if p > _ABOVE_NOISE * each[0]]
-    if len(seen) < 2:
+    edges = np.searchsorted(t, np.arange(t[0], t[-1], cycle))[:-1]
+    # a cycle of which a gap holds a part shows less than its size
+    whole = np.flatnonzero(np.diff(edges) >= _WHOLE * np.max(np.diff(edges), initial=1))
+    each = np.array([float(np.ptp(y[edges[k] : edges[k + 1]])) for k in whole])
+    seen = each > _ABOVE_NOISE * each[:1]
+    if np.count_nonzero(seen) < 2:
         return 0.05
-    slope = np.polyfit(np.arange(len(seen)), np.log(seen), 1)[0]
+    slope = np.polyfit(whole[seen], np.log(each[seen]), 1)[0]
     return float(min(max(-slope / (2.0 * math.pi), 1e-4), 0.5))
 
 

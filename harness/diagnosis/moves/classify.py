@@ -168,7 +168,7 @@ def _swung(series: Series) -> Moves:
         return Moves(MotionKind.NOT_MECHANICAL, few)
     decays = [one for one in swings.decays() if one.size[0] >= _LARGE * float(np.max(swings.size))]
     covered = sum(one.path for one in decays) / swings.path
-    spans = tuple((float(one.t[0]), float(one.t[-1])) for one in decays)
+    spans = tuple((float(one.begin[0]), float(one.end[-1])) for one in decays)
     if decays and covered >= _COVERED:
         first, last = decays[0].size[0], decays[0].size[-1]
         if len(decays) == 1:

@@ -10,8 +10,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from harness.core.arrays import FloatArray, IntArray
+from harness.core.arrays import BoolArray, FloatArray, IntArray
 from harness.diagnosis.motion import running
+from harness.diagnosis.smoothed_state.local_cubics import longest_interval
 from harness.estimate.means import in_means, is_dense
 from harness.estimate.noise import channel_noise
 from harness.estimate.stray import without_spikes
@@ -42,7 +43,7 @@ class Series:
 
     power : of the time with which the channel changes, at its largest. memory : share of the recording after which it
     has forgotten where it was. jumps : how often it goes from one place to another within a sample. line : whether it
-    swings at a frequency, under noise that hides how it grows.
+    swings at a frequency, under noise that hides how it grows. holes : (h, 2) s, between which nothing was recorded.
     """
 
     t: FloatArray
@@ -53,6 +54,7 @@ class Series:
     memory: float
     jumps: int
     line: bool
+    holes: FloatArray
 
     @property
     def smooth(self) -> bool:
@@ -70,6 +72,8 @@ class Series:
         """Of a channel y (n,) at t (n,), s."""
         y = without_spikes(y)
         noise = channel_noise(t, y)
+        wide = np.flatnonzero(np.diff(t) > longest_interval(t))
+        holes = np.column_stack((t[wide], t[wide + 1]))
         few = t.size // _MOST
         if few > 1 and is_dense(y, few):
             t, y = t[::few], y[::few]
@@ -85,7 +89,9 @@ class Series:
         thin = max(min(width // 2, even.size // _LEAST), 1)
         left = noise.sigma / math.sqrt(1.5 * width)
         lightly = running(even, width // 4 | 1)
-        return cls(grid[::thin], smooth[::thin], lightly[::thin], left, power, _memory(even), jumps, swing is not None)
+        return cls(
+            grid[::thin], smooth[::thin], lightly[::thin], left, power, _memory(even), jumps, swing is not None, holes
+        )
 
 
 def _line(y: FloatArray) -> float | None:
@@ -154,20 +160,37 @@ that: what keeps something going keeps its size about a level. Of 2,000 draws of
 
 @dataclass(frozen=True, slots=True)
 class Swings:
-    """Half-swings, k of them: sizes (k,), and times (k+1,), s, of the turning points that bound them."""
+    """Half-swings, k of them, that were recorded whole: begin, end (k,), s, of each, and its size (k,)."""
 
-    t: FloatArray
+    begin: FloatArray
+    end: FloatArray
     size: FloatArray
 
     def __len__(self) -> int:
         return int(self.size.size)
 
+    def __getitem__(self, part: "slice | BoolArray") -> "Swings":
+        return Swings(self.begin[part], self.end[part], self.size[part])
+
     @classmethod
     def of(cls, series: Series, least: float = _SWING, part: slice = slice(None)) -> "Swings":
-        """least : smallest half-swing, of the channel's range. part : of the samples."""
+        """least : smallest half-swing, of the channel's range. part : of the samples.
+
+        One in which a hole is long enough to hide a turning point is left out: how far it went, nobody saw.
+        """
         t, y = series.t[part], series.y[part]
         at = _turning(y, max(least * series.span, _NOISE * series.left))
-        return cls(t[at], np.abs(np.diff(y[at])))
+        found = cls(t[at[:-1]], t[at[1:]], np.abs(np.diff(y[at])))
+        if not (len(found) and len(series.holes)):
+            return found
+        first, last = series.holes[np.ptp(series.holes, axis=1) > _ANOTHER * np.median(found.lasts)].T
+        # holes that begin before it ends are more than those that end before it begins
+        return found[np.searchsorted(first, found.end) == np.searchsorted(last, found.begin, side="right")]
+
+    @property
+    def lasts(self) -> FloatArray:
+        """Time of each, s."""
+        return self.end - self.begin
 
     @property
     def path(self) -> float:
@@ -175,24 +198,25 @@ class Swings:
 
     @property
     def broken(self) -> int:
-        """How many of them take another time than the usual: it is brought back for another release, and held."""
-        gaps = np.diff(self.t)[1:-1]
-        return int(np.count_nonzero(np.abs(gaps / np.median(gaps) - 1.0) > _ANOTHER))
+        """How many take another time than the usual, or follow on a hole: it is brought back for another release."""
+        lasts = self.lasts[1:-1]
+        other = np.abs(lasts / np.median(lasts) - 1.0) > _ANOTHER
+        return int(np.count_nonzero(other) + np.count_nonzero(self.begin[1:] > self.end[:-1]))
 
     @property
     def even(self) -> bool:
         """Whether they follow one another as those of a swing do, faster or slower with its size at most."""
         # before the first and after the last it may rest
-        gaps = np.diff(self.t)[1 if len(self) > FEWEST_HALF_CYCLES else 0 : -1]
-        usual = float(np.median(gaps))
-        part = max(gaps.size // 4, 1)
-        drift = float(np.median(gaps[-part:]) / np.median(gaps[:part]))
-        return float(np.median(np.abs(gaps - usual))) < _EVEN * usual and 1.0 / _DRIFTS < drift < _DRIFTS
+        lasts = self.lasts[1 if len(self) > FEWEST_HALF_CYCLES else 0 : -1]
+        usual = float(np.median(lasts))
+        part = max(lasts.size // 4, 1)
+        drift = float(np.median(lasts[-part:]) / np.median(lasts[:part]))
+        return float(np.median(np.abs(lasts - usual))) < _EVEN * usual and 1.0 / _DRIFTS < drift < _DRIFTS
 
     def decays(self) -> list["Swings"]:
         """Runs of half-swings that become smaller, three or more each."""
         starts = [0, *(np.flatnonzero(self.size[1:] > _RISES * self.size[:-1]) + 1).tolist(), len(self)]
-        runs = [Swings(self.t[i : j + 1], self.size[i:j]) for i, j in pairwise(starts)]
+        runs = [self[i:j] for i, j in pairwise(starts)]
         return [one for one in runs if len(one) >= FEWEST_HALF_CYCLES and one.falls and one.even]
 
     @property
