@@ -95,12 +95,19 @@ def _servo(found: "ServoResult") -> None:
     """What a servo's log says: free runs, terms, numbers, and what it cannot part."""
     say_all(found.understood)
     runs = [*found.fitted, *(one.model_copy(update={"of": f"held out: {one.of}"}) for one in found.held_out)]
-    rows = [
-        (one.of, f"{one.before:.3g}", f"{one.after:.3g}", f"{one.after / one.before:.2f}" if one.before else "-")
-        for one in runs
-    ]
-    heads = ("free run", "Coulomb alone", "with the terms found", "factor")
-    show_rows(heads, rows, ("free run",), "mean absolute error of position, mrad")
+    if found.terms or len(runs) > 1:
+        heads = ["free run", "viscous and Coulomb", *(["with the terms found", "factor"] if found.terms else [])]
+        rows = [
+            [
+                one.of,
+                f"{one.before:.3g}",
+                f"{one.after:.3g}",
+                figure(one.after / one.before if one.before else None, ".2f"),
+            ]
+            for one in runs
+        ]
+        rows = [row[: len(heads)] for row in rows]
+        show_rows(heads, rows, ("free run",), "mean absolute error of position, mrad")
     for term in found.terms:
         held = " to ".join(f"{x:.3g}" for x in term.held_out_mrad)
         out = f"; held out {held} mrad" if held else ""
@@ -109,7 +116,7 @@ def _servo(found: "ServoResult") -> None:
         say(f"- {term.name}: {term.said} (evidence {term.evidence:.0f}{out}{tied})")
     told = {one.parameter: one for one in found.identifiable}
     sides = [found.base, found.parameters] if found.terms else [found.parameters]
-    above = ("number", *(["Coulomb alone"] if found.terms else []), "value", "identifiable")
+    above = ("number", *(["viscous and Coulomb", "with the terms found"] if found.terms else ["value"]), "identifiable")
     numbers: list[list[str]] = [
         [name, *(with_error(side.get(name)) for side in sides), told[name].verdict if name in told else "given"]
         for name in found.parameters

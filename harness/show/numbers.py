@@ -1,6 +1,7 @@
 """How what is shown is written: numbers, units, headings, colours, names of engines."""
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -77,6 +78,7 @@ SHOWN: dict[str, tuple[str, float]] = {"m": ("mm", 1e3), "m/s": ("mm/s", 1e3)}
 """SI unit -> the unit shown, and how many of it one SI unit is."""
 
 
+_POWER = re.compile(r"\^(-?\d+)")
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -124,8 +126,13 @@ def shown_number(value: float | None, unit: str, digits: int = 4) -> str:
     return number(None if value is None else value * _shown(unit)[1], digits)
 
 
+def squared(text: str) -> str:
+    """Powers as people print them: "kg m²" for "kg m^2"."""
+    return _POWER.sub(lambda found: found[1].translate(_RAISED), text)
+
+
 def _shown(unit: str) -> tuple[str, float]:
-    return SHOWN.get(unit, ("" if unit == "1" else unit, 1.0))
+    return SHOWN.get(unit, ("" if unit == "1" else squared(unit), 1.0))
 
 
 def quantity(p: P) -> tuple[str, str, str]:

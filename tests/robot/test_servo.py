@@ -1,6 +1,7 @@
 """A joint under its servo, from goals and positions: what comes out of logs of a plant of another make."""
 
 import json
+import re
 from pathlib import Path
 from typing import NamedTuple
 
@@ -14,6 +15,7 @@ from harness.cli.main import run as command
 from harness.core.arrays import FloatArray
 from harness.results.diagnosis import DiagnosisResult
 from harness.robot.servo.plant import Run
+from harness.show.stored import AFTER_NAME
 
 STEP = 2.0 * np.pi / 4096
 STALL, BRAKE, VOLTS, GAIN = 0.45, 0.5, 7.4, 0.166 * 16.0
@@ -85,21 +87,31 @@ def run(folder: Path, *words: str) -> DiagnosisResult:
     """What the command leaves of a log of ``logged``."""
     log_in(folder)
     assert command(["diagnose", str(folder / "log.csv"), "--out", str(folder / "out"), "--quiet", *words]) == 0
-    assert (folder / "out" / "report.html").is_file()
-    return DiagnosisResult.model_validate_json((folder / "out" / "result.json").read_text(encoding="utf-8"))
+    result = DiagnosisResult.model_validate_json((folder / "out" / "result.json").read_text(encoding="utf-8"))
+    assert result.robot is not None
+    assert result.robot.servo is not None
+    page = (folder / "out" / "report.html").read_text(encoding="utf-8")
+    # where no term was found there is one model, and nothing stands twice
+    assert (AFTER_NAME in page) == bool(result.robot.servo.terms)
+    return result
 
 
 def test_a_servo_s_numbers_come_from_goal_and_position_and_engines_move_so(tmp_path: Path) -> None:
     reach = GRAVITY / (9.81 * 0.6)
     about = INERTIA - 0.6 * reach**2
     (tmp_path / "arm.xml").write_text(ARM.format(reach=-reach, about=about), encoding="utf-8")
-    robot = run(tmp_path, "--robot", str(tmp_path / "arm.xml"), "--servo", "sts3215:16").robot
+    result = run(tmp_path, "--robot", str(tmp_path / "arm.xml"), "--servo", "sts3215:16")
+    robot = result.robot
     assert robot is not None
     assert robot.servo is not None
     numbers = robot.servo.parameters
     for name, true, near in (("f_k", F_K, 0.06), ("stall", STALL, 0.05), ("armature", ARMATURE, 0.15)):
         assert numbers[name].value == pytest.approx(true, rel=near)
     assert sum(numbers[name].value or 0.0 for name in ("c", "brake")) == pytest.approx(BRAKE + 0.04, rel=0.05)
+    late = re.search(r" goals ([\d.]+) \+- ([\d.]+) ms old", result.statement)
+    assert late
+    assert float(late[1]) == pytest.approx(1e3 * (numbers["delay"].value or 0.0), abs=0.06)
+    assert float(late[2]) == pytest.approx(1e3 * (numbers["delay"].stderr or 0.0), rel=0.06)
     assert robot.servo.scale == "gravity"
     assert robot.servo.fitted[0].after < 1.3e3 * STEP * np.sqrt(0.25 + 1.0 / 12.0)
     assert robot.servo.floor_mrad == pytest.approx(1e3 * STEP * np.sqrt(0.25 + 1.0 / 12.0), rel=0.3)
@@ -124,7 +136,7 @@ def test_goal_and_position_alone_are_understood_and_all_is_a_ratio_to_the_inerti
     # what is too weak to be seen has the rest
     assert result.posterior[0].names == []
     assert 0.7 < sum(one.probability for one in result.posterior) < 0.9
-    assert f"No other term is shown (P {result.posterior[0].probability:.2f})." in result.statement
+    assert result.statement.startswith(f"No missing term is shown (P {result.posterior[0].probability:.2f}): the servo")
 
 
 def test_a_level_joint_s_torques_are_ratios_though_a_model_gives_its_link_s_inertia(tmp_path: Path) -> None:
@@ -157,7 +169,7 @@ def test_what_a_servo_makes_of_its_goal_is_one_name_in_whatever_form(
     assert likeliest.names == [name]
     assert probability is not None
     assert probability >= likeliest.probability > 0.9
-    assert f"Missing: {name} (P {min(probability, 0.99):.2f})." in result.statement
+    assert result.statement.startswith(f"Missing: {name} (P {min(probability, 0.99):.2f}). The servo")
 
 
 def test_a_data_set_in_degrees_needs_no_robot_and_is_asked_for_its_unit(

@@ -71,6 +71,10 @@ def test_metres_are_shown_in_millimetres() -> None:
     assert sentence_quantity(P(value=0.05, stderr=1e-4, unit="1")) == "0.05000 ± 0.00010"
 
 
+def test_powers_of_a_unit_are_raised() -> None:
+    assert sentence_quantity(P(value=0.031, stderr=0.0017, unit="kg m^2")) == "0.0310 ± 0.0017 kg m²"
+
+
 def test_a_row_is_in_the_unit_at_its_head() -> None:
     """30 mm in every column of its row, a trend in mm too; a pure number has no unit."""
     trend = FleetTrend(name="load [kg]", slope=P(value=2e-3, stderr=1e-4, unit="m per kg"), differs=True)
@@ -88,6 +92,7 @@ def test_symbols_are_set_and_markup_is_not_let_through() -> None:
     assert symbols("x_k & <b> zeta, omega_n; max_error") == (
         "x<sub>k</sub> &amp; &lt;b&gt; ζ, ω<sub>n</sub>; max_error"
     )
+    assert symbols("k_t^2/R at 2 m/s^2, 10^-5") == "k<sub>t</sub>²/R at 2 m/s², 10⁻⁵"
     assert symbols("say --sim-rate 9; a -- b") == 'say <span class="option">--sim-rate</span> 9; a -- b'
 
 

@@ -286,9 +286,7 @@ def _result(
         settings=case.options.settings(),
         command=command,
         verdict=verdict,
-        statement=_statement(own, best, least, grades)
-        + _how_likely(likely, found.steps)
-        + _not_told(ties, found.steps),
+        statement=_how_likely(likely, found.steps, ties) + _statement(own, best, least, grades),
         baseline={"parameters": before, "rmse": {"x": base.rms}, "chi2_per_point": None},
         refined={"parameters": after, "rmse": {"x": best.rms}, "chi2_per_point": None},
         mechanisms=[
@@ -352,15 +350,13 @@ def _ties(steps: Sequence[Step]) -> list[tuple[Term, float]]:
     return [(next(term for term in TERMS if term.name == name), first.gain - worse) for worse, name in near]
 
 
-def _not_told(ties: Sequence[tuple[Term, float]], steps: Sequence[Step]) -> str:
-    return f" Not ruled out in place of {steps[0].term.name}: {', '.join(t.name for t, _ in ties)}." if ties else ""
-
-
-def _how_likely(likely: Likely, steps: Sequence[Step]) -> str:
-    """That its terms are missing, or that nothing is."""
+def _how_likely(likely: Likely, steps: Sequence[Step], ties: Sequence[tuple[Term, float]]) -> str:
+    """That its terms are missing, or that nothing is; the beginning of the sentence that says what the servo does."""
     if not steps:
-        return f" No other term is shown ({said(likely.get((), 0.0))})."
-    return f" Missing: {', '.join(f'{s.term.name} ({said(probability(likely, s.term.name))})' for s in steps)}."
+        return f"No missing term is shown ({said(likely.get((), 0.0))}): the servo"
+    missing = ", ".join(f"{s.term.name} ({said(probability(likely, s.term.name))})" for s in steps)
+    tied = f"; not ruled out in place of {steps[0].term.name}: {', '.join(t.name for t, _ in ties)}" if ties else ""
+    return f"Missing: {missing}{tied}. The servo"
 
 
 def _grade(steps: Sequence[Step], place: int, clean: bool) -> str:
@@ -397,7 +393,7 @@ def _mechanism(step: Step, best: ServoFit, scale: str, span: list[list[float]], 
 
 
 def _statement(own: ServoResult, best: ServoFit, least: float, grades: Sequence[str]) -> str:
-    """The servo and friction, and what free runs miss; grades : of its terms, of which minor ones are not said."""
+    """What it does, its friction, what free runs miss; grades : of its terms, of which minor ones are not said."""
     numbers = own.parameters
 
     def said(name: str) -> str:
@@ -405,7 +401,9 @@ def _statement(own: ServoResult, best: ServoFit, least: float, grades: Sequence[
         return str(Quantity(p.value, p.stderr, p.unit, p.why))
 
     stiff = Quantity(own.stiffness.value, own.stiffness.stderr, own.stiffness.unit, own.stiffness.why)
-    text = f"The servo pulls with {stiff} towards goals {1e3 * best.values['delay']:.3g} ms old; damping "
+    late = numbers["delay"]
+    old = Quantity(1e3 * best.values["delay"], late.stderr and 1e3 * late.stderr, "ms", late.why)
+    text = f" pulls with {stiff} towards goals {old} old; damping "
     if "brake" in best.values and "c" in best.values:
         text += f"{said('c')} and {said('brake')} while it drives"
     else:
@@ -417,7 +415,7 @@ def _statement(own: ServoResult, best: ServoFit, least: float, grades: Sequence[
         text += f" and {more}"
     graded = zip(own.terms, grades, strict=True)
     others = [term.said for term, grade in graded if "friction" not in term.said and grade != "minor"]
-    text += f". Besides, {' and '.join(others)}." if others else "."
+    text += f"; besides, {' and '.join(others)}." if others else "."
     before, after = (float(np.mean([getattr(one, side) for one in own.fitted])) for side in ("before", "after"))
     text += f" Free runs miss the positions by {after:.3g} mrad in the mean"
     text += f" ({before:.3g} by torque, damping and Coulomb friction alone" if own.terms else " ("

@@ -11,7 +11,7 @@ from harness.core.arrays import FloatArray
 from harness.results.common import DampingResult
 from harness.results.diagnosis import DiagnosisResult, SeenLawResult
 from harness.show.blocks import Block, Cell, Column, Figure, Folded, Items, Section, tabulated
-from harness.show.numbers import SHOWN, number
+from harness.show.numbers import SHOWN, number, squared
 from harness.show.plots import Trace, axes, dots, per, plain
 from harness.show.report.diagnosis_figures import model_names
 from harness.show.stored import AFTER, BEFORE
@@ -64,7 +64,7 @@ def _figure(number: int, law: SeenLawResult, result: DiagnosisResult) -> Figure:
     )
     if law.between:
         caption = f"Points: the {len(law.at)} rows of the recording, with two standard deviations of their noise."
-    labels = f"{over} / {per(unit)}", f"{label} / {per(law.force_unit.replace('^2', '²'))}"
+    labels = f"{over} / {per(unit)}", f"{label} / {per(squared(law.force_unit))}"
     return Figure(
         f"law-{number}", [*lines, points], axes(*labels, showlegend=True, hovermode="closest"), caption, "", 380
     )

@@ -21,6 +21,7 @@ from harness.core.bounded import MOST_DOCUMENT_BYTES, read_bytes
 from harness.core.writing import replacing
 from harness.results.common import Machine
 from harness.show.blocks import Block, Code, Facts, Figure, Page, Section
+from harness.show.numbers import squared
 from harness.show.plots import POINTS, thinned
 
 LARGEST = 5_000_000
@@ -57,7 +58,7 @@ def symbols(text: str) -> Markup:
         base, index = _GREEK.get(found[1], found[3]), found[2] or found[4]
         return f"{base}<sub>{index}</sub>" if index else base
 
-    shown = _SYMBOL.sub(one, str(escape(text)).replace("+-", "\u00b1"))
+    shown = squared(_SYMBOL.sub(one, str(escape(text)).replace("+-", "\u00b1")))
     return Markup(_OPTION.sub(r'<span class="option">\g<0></span>', shown))
 
 

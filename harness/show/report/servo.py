@@ -8,7 +8,7 @@ from harness.results.common import P
 from harness.results.diagnosis import DiagnosisResult
 from harness.results.robot import RobotResult, ServoErrorResult, ServoResult
 from harness.show import blocks as b
-from harness.show.numbers import number, sentence_quantity
+from harness.show.numbers import number, of_names, sentence_quantity
 from harness.show.plots import axes, curve
 from harness.show.report.page import made_with
 from harness.show.report.robot import to_paste
@@ -45,25 +45,25 @@ def servo_page(result: DiagnosisResult, runs: Runs, engines: Sequence[tuple[str,
 def _free_runs(servo: ServoResult, runs: Runs, engines: Sequence[tuple[str, FloatArray]]) -> b.Section:
     figures: list[b.Block] = []
     for i, (t, goal, q, before, after) in enumerate(runs[:_MOST]):
+        ran = [(BEFORE_NAME, before, BEFORE), *([(AFTER_NAME, after, AFTER)] if servo.terms else [])]
         lines = [
             curve("goal", t, goal, "rule", "rad", 1.0),
             curve("log", t, q, "ink", "rad"),
-            curve(BEFORE_NAME, t, before, BEFORE, "rad"),
-            curve(AFTER_NAME, t, after, AFTER, "rad"),
+            *(curve(name, t, y, color, "rad") for name, y, color in ran),
         ]
         figures.append(b.Figure(f"run-{i}", lines, axes("time / s", "position / rad", showlegend=True)))
-        off = [curve(BEFORE_NAME, t, _MRAD * (before - q), BEFORE, "mrad")]
-        off.append(curve(AFTER_NAME, t, _MRAD * (after - q), AFTER, "mrad"))
         if i == 0:
-            off += [curve(name, t, _MRAD * (y - q), "muted", "mrad", 1.0) for name, y in engines]
+            hues = of_names(len(ran) + len(engines))[len(ran) :]
+            ran += [(name, y, hue) for (name, y), hue in zip(engines, hues, strict=True)]
+        off = [curve(name, t, _MRAD * (y - q), color, "mrad", 1.0) for name, y, color in ran]
         caption = "Free runs minus the log, from its first sample on, by goals alone."
         figures.append(b.Figure(f"off-{i}", off, axes("time / s", "simulation minus log / mrad"), caption))
     errors = [*servo.fitted, *servo.held_out]
     columns = [
-        b.Column("torque, damping, Coulomb friction", lambda one: number(one.before, 3), "mrad"),
-        b.Column("with the terms found", lambda one: number(one.after, 3), "mrad"),
+        b.Column(BEFORE_NAME, lambda one: number(one.before, 3), "mrad"),
+        b.Column(AFTER_NAME, lambda one: number(one.after, 3), "mrad"),
         b.Column("factor", lambda one: number(one.after / one.before, 3) if one.before else None),
-    ]
+    ][: None if servo.terms else 1]
     least = f"the sensor's noise and steps are {number(servo.floor_mrad, 2)} mrad rms"
     caption = f"Mean absolute error of free runs; {least}."
 
@@ -98,8 +98,8 @@ def _numbers(servo: ServoResult) -> b.Section:
 
     names = list(servo.parameters)
     columns = [
-        b.Column("Coulomb alone", lambda name: size(servo.base.get(name))),
-        b.Column("with the terms found", lambda name: size(servo.parameters[name])),
+        *([b.Column(BEFORE_NAME, lambda name: size(servo.base.get(name)))] if servo.terms else []),
+        b.Column(AFTER_NAME if servo.terms else "value", lambda name: size(servo.parameters[name])),
         b.Column(
             "identifiable",
             lambda name: b.Cell(told[name].verdict, told[name].why.split("; ")) if name in told else "given",
