@@ -18,9 +18,8 @@ from harness.robot.whole_arm.columns import DELAY, STRIBECK, Candidate, fall_wit
 from harness.robot.whole_arm.design import Design, Named, Stretches, Whitened, evidence_of_chance
 from harness.robot.whole_arm.differentiate import Filtered, reversals
 from harness.robot.whole_arm.rules import (
-    AT_EDGE,
-    COVERED,
     ENOUGH_TURNS,
+    FOOT,
     GUARD,
     HELD_LEAST,
     HELD_MOST,
@@ -58,13 +57,13 @@ class Turned:
 def at_reversals(solved: Solved, joint: int) -> Turned | None:
     """What is named at the reversals of a joint, at most one thing.
 
-    A fall with speed whose foot few guarded samples see is static friction where the reversals tell that better.
+    A fall with speed is static friction where the reversals tell that and guarded samples see its foot alone.
     """
     filtered, design = solved.problem.filtered, solved.model.design
     falling = [one for one in solved.model.of_joint(joint) if one.candidate.name == STRIBECK]
-    covered = np.quantile(np.abs(filtered.v[design.parts[joint].stretches.kept, filtered.dof[joint]]), COVERED.value)
-    # of a Gaussian that falls below them guarded samples saw the foot alone; another form's tail they saw
-    if falling and not falling[0].candidate.form and falling[0].value <= AT_EDGE.value * float(covered):
+    seen = np.quantile(np.abs(filtered.v[design.parts[joint].stretches.kept, filtered.dof[joint]]), FOOT.value)
+    # of a Gaussian, which has fallen by most at its speed; another form's tail they saw
+    if falling and not falling[0].candidate.form and falling[0].value < float(seen):
         instead = _turned(solved, joint, without=STRIBECK)
         if instead and instead.named.candidate.name == STATIC:
             return replace(instead, of_stribeck=True)
