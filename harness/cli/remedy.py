@@ -46,7 +46,7 @@ def whole_line(error: Exception, group: click.Group) -> str:
         help_of = error.ctx.command_path if error.ctx else f"harness {words[1]}" if words[1:] else "harness"
     else:
         message, help_of = str(error), ""
-    if isinstance(error, click.NoSuchOption) and (kept := _without_foreign(words, error.option_name, group)):
+    if isinstance(error, click.NoSuchOption) and (kept := _of_one_command(words, error.option_name, group)):
         return f"No such option '{error.option_name}' here. Try: {shlex.join(kept)}"
     near = error.possibilities[0] if isinstance(error, click.NoSuchOption) and error.possibilities else ""
     if found := _NEAR.search(message):
@@ -66,17 +66,31 @@ def whole_line(error: Exception, group: click.Group) -> str:
     return f"{message.rstrip('.')}. Try: {help_of} --help" if help_of else message
 
 
-def _without_foreign(words: Sequence[str], name: str, group: click.Group) -> list[str]:
-    """Words of a command without an option, and its value, that only other commands have; none where none has it."""
+def _of_one_command(words: Sequence[str], name: str, group: click.Group) -> list[str]:
+    """Words of a command that has all options that they give, by the fewest changes: without the one that only other
+    commands have, and its value, or of several the same for a command that has them and takes such arguments; none
+    where no command has ``name``.
+    """
     context = click.Context(group)
-    commands = [group.get_command(context, one) for one in group.list_commands(context)]
-    known = [one for command in commands if command for one in command.params if name in one.opts]
-    at = next((i for i, word in enumerate(words) if word.partition("=")[0] == name), None)
-    if at is None or not known:
+    found = {one: group.get_command(context, one) for one in group.list_commands(context)}
+    parameters = {one: command.params for one, command in found.items() if command}
+    options = {one: {option: p for p in those for option in p.opts} for one, those in parameters.items()}
+    own = options.get(words[1], {})
+    given = {i: word.partition("=")[0] for i, word in enumerate(words) if word.startswith("--")}
+    known = {word: one[word] for word in given.values() for one in options.values() if word in one}
+    foreign = {i: known[word] for i, word in given.items() if word in known and word not in own}
+    if name not in known:
         return []
-    option = known[0]
-    valued = isinstance(option, click.Option) and not option.is_flag and "=" not in words[at]
-    return [*words[:at], *words[at + 1 + valued * option.nargs :]]
+    every = {word for word in given.values() if word in known}
+    takes = {one: {type(p.type) for p in those if isinstance(p, click.Argument)} for one, those in parameters.items()}
+    able = [one for one, has in options.items() if every <= has.keys() and takes[one] == takes.get(words[1])]
+    if len(foreign) > 1 and able:
+        return [words[0], able[0], *words[2:]]
+    gone = set[int]()
+    for i, option in foreign.items():
+        valued = isinstance(option, click.Option) and not option.is_flag and "=" not in words[i]
+        gone.update(range(i, i + 1 + valued * option.nargs))
+    return [word for i, word in enumerate(words) if i not in gone]
 
 
 def _without_named(words: Sequence[str], options: str) -> list[str]:
