@@ -103,6 +103,20 @@ def test_a_dent_in_a_spring_is_a_curve_of_no_name() -> None:
     assert sum(beside.posterior.values()) == pytest.approx(1.0)
 
 
+def test_what_the_speed_does_besides_takes_no_name_from_a_spring() -> None:
+    """A weak force of the speed that no catalogue holds is one of the crowd, though a curve of both follows both."""
+
+    def law(t: float, state: FloatArray) -> list[float]:
+        x, v = state
+        return [v, -40.0 * x - 0.12 * v - 10.0 * x**2 - 0.15 * math.sin(3.0 * v)]
+
+    problem = problem_of(solve_ivp(law, (0.0, T[-1]), (0.3, 0.0), rtol=1e-8, atol=1e-11, t_eval=T).y[0])
+    beside = beside_curves(grade(misfit(problem, *baseline(problem))))
+    (named,) = beside.named
+    assert (beside.grade, named.name) == (Grade.MAIN, "quadratic-stiffness")
+    assert named.fit.model.terms[0].value("k2") == pytest.approx(10.0, rel=0.05)
+
+
 def test_a_law_bent_beyond_its_name_is_no_rival(graded: Graded) -> None:
     """Friction that rises with speed follows a drag, a drag below nought follows friction that falls."""
     rising = ModelTerm.named("stribeck", f_s=0.1, v_s=4.0)

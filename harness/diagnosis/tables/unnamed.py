@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from harness.diagnosis.baseline.words import margin_of, strokes_of, words_of
+from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.grading.contest import decided, shown_as_part
 from harness.diagnosis.grading.grade import Graded
 from harness.diagnosis.grading.misfit import Misfit
@@ -17,7 +18,7 @@ from harness.diagnosis.parameters import base_of
 from harness.diagnosis.residual_tests.structure import Left
 from harness.diagnosis.rules import APART, MARGIN
 from harness.diagnosis.search.search import Search
-from harness.diagnosis.tables.basis import OF_FRICTION, OF_PLACE, OF_SPEED, RUNGS, Rung
+from harness.diagnosis.tables.basis import OF_FRICTION, OF_PLACE, OF_SPEED, Rung
 from harness.diagnosis.tables.beside import MotionLeft
 from harness.diagnosis.tables.fitted import TableFit
 from harness.kernels.solve import Scales
@@ -25,17 +26,27 @@ from harness.model.term import Slot, Term
 
 
 def beside_curves(graded: Graded) -> Graded:
-    """The grades of a motion's misfit beside a smooth curve: what is named, or listed, may then be neither."""
+    """The grades of a motion's misfit beside a smooth curve: what is named, or listed, may then be neither.
+
+    A crowd of small effects is no reason to doubt a law: a curve has to say more than the law with a curve of what the
+    law is not of.
+    """
     if graded.grade not in (Grade.MAIN, Grade.ONE_OF):
         return graded
     misfit, first = graded.misfit, graded.named[0].fit
-    noise = misfit.noise_left(first)
-    # what friction does along the way has that name in any shape
-    along = first.model.terms[-1].term.slot is Slot.FRICTION_MODULATION
-    curves = _fitted(misfit, [rung for rung in RUNGS if not (along and rung in OF_FRICTION)])
-    gains = [misfit.evidence_by(curve.squares, curve.effective, noise) for curve in curves]
-    ahead = max(gains, default=-math.inf) - misfit.evidence_of(first, noise) - margin_of(misfit.words)
-    seen = replace(graded, ahead=ahead)
+    noise, law = misfit.noise_left(first), first.model.terms[-1].term
+    without = misfit.base
+    # what friction does along the way has that name in any shape; a sum of two curves is two effects
+    of_friction = () if law.slot is Slot.FRICTION_MODULATION else OF_FRICTION
+    curves = _fitted(misfit, without, (*OF_PLACE, *OF_SPEED, *of_friction))
+    said = max((misfit.evidence_by(c.squares, c.effective, noise) for c in curves), default=-math.inf)
+    by_law = misfit.evidence_of(first, noise)
+    if said > by_law:
+        numbers = len(first.free) - len(without.free)
+        others = _fitted(misfit, first, _OF_ANOTHER[_variable(law)])
+        besides = (misfit.evidence_by(c.squares, numbers + c.effective, noise) for c in others)
+        by_law = max((by_law, *besides))
+    seen = replace(graded, ahead=said - by_law - margin_of(misfit.words))
     again = decided(seen)
     if (again.grade, [f.name for f in again.named]) == (graded.grade, [f.name for f in graded.named]):
         return seen
@@ -61,15 +72,16 @@ def beside_one_curve(found: Search, scales: Scales) -> Search:
         problem, found.base, problem.noise, problem.force_noise, scales, strokes, words_of(strokes), left_out=0.0
     )
     known = math.log(problem.points)
-    curves = [curve.squares + (len(curve.free) + curve.effective) * known for curve in _fitted(whole, _OF[variable])]
+    fitted = _fitted(whole, found.base, _OF[variable])
+    curves = [curve.squares + (len(curve.free) + curve.effective) * known for curve in fitted]
     if min(curves, default=math.inf) >= found.chosen.bic + APART.value:
         return found
     return replace(found, chosen=found.base, left=Left.STRUCTURE, without=(), doubted=found.chosen, doubted_by=variable)
 
 
-def _fitted(misfit: Misfit, rungs: Sequence[Rung]) -> list[TableFit]:
-    """Tables beside the base model, as smooth as blocks of its strokes say; those that can be simulated."""
-    left = MotionLeft(misfit, misfit.base.model, base_of(misfit.base.free))
+def _fitted(misfit: Misfit, beside: Fit, rungs: Sequence[Rung]) -> list[TableFit]:
+    """Tables beside a model, as smooth as blocks of its strokes say; those that can be simulated."""
+    left = MotionLeft(misfit, beside.model, base_of(beside.free))
     return [curve for curve in map(left.fitted, rungs) if curve is not None]
 
 
@@ -82,3 +94,5 @@ def _variable(law: Term) -> str:
 
 _OF: Mapping[str, tuple[Rung, ...]] = {"position": OF_PLACE, "speed": OF_SPEED, "": ()}
 """Tables of one variable."""
+_OF_ANOTHER: Mapping[str, tuple[Rung, ...]] = {"position": OF_SPEED, "speed": OF_PLACE, "": ()}
+"""Tables of the other variable."""
