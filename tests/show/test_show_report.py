@@ -211,7 +211,18 @@ def test_what_is_too_wide_for_its_place_is_whole_there(browser: "Browser", tmp_p
     shares = [{"type": "scatter", "mode": "markers", "x": [10.0, 90.0], "y": names, "showlegend": False}]
     lines = [{"type": "scatter", "x": [0.0, 1.0], "y": [i, 1.0], "name": f"engine {i}, " + "x " * 25} for i in range(9)]
     category = {"xaxis": {"title": {"text": "part of the mean square mismatch / %"}}, "yaxis": {"type": "category"}}
-    plots: list[b.Block] = [Figure("shares", shares, category), Figure("lines", lines, {"xaxis": {}, "yaxis": {}})]
+    halves = {"xaxis": {"domain": [0.0, 0.485]}, "xaxis2": {"domain": [0.515, 1.0]}, "yaxis2": {"anchor": "x2"}}
+    said = ["viscous and Coulomb", "with tabulated-stiffness and tabulated-friction"]
+    place = {"xref": "paper", "yref": "paper", "y": 1.0, "xanchor": "left", "yanchor": "bottom", "showarrow": False}
+    heads = [{"text": text, "x": x, **place} for text, x in zip(said, (0.0, 0.515), strict=True)]
+    dots = [{"type": "scatter", "mode": "markers", "x": [0.0, 1.0], "y": [0.0, 1.0], "showlegend": False}] * 2
+    dots[1] = dots[1] | {"xaxis": "x2", "yaxis": "y2"}
+    planes = Figure("planes", dots, {"yaxis": {}, **halves, "annotations": heads})
+    plots: list[b.Block] = [
+        planes,
+        Figure("shares", shares, category),
+        Figure("lines", lines, {"xaxis": {}, "yaxis": {}}),
+    ]
     sections = [b.Section("All", [b.Folded("table", [table]), long, b.Code("harness " + "x" * 200), *plots])]
     write_report(tmp_path / "page.html", b.Page("Wide", "", sections))
     beyond = """() => [...document.querySelectorAll(".scroll, pre")]

@@ -7,7 +7,7 @@ from harness.core.quantity import Quantity, outweighs
 from harness.core.wording import capitalised
 from harness.diagnosis.baseline.words import strokes_of
 from harness.diagnosis.explain.could_hide import Hidden
-from harness.diagnosis.explain.next_experiment import Open, Release, releases
+from harness.diagnosis.explain.next_experiment import Open, releases
 from harness.diagnosis.fit.standard_errors import unit_of
 from harness.diagnosis.grading.contest import Contest, in_step
 from harness.diagnosis.grading.grade import Graded
@@ -454,10 +454,11 @@ def _by_release(found: Open, problem: Problem, scales: Scales) -> str:
     each = releases(under(found.first, problem), under(found.rival, problem), problem, scales)
     sides = [[one for one in each if (one.factor > 1.0) is larger and one.apart >= _PARTS] for larger in (True, False)]
     told = sorted((side[0] for side in sides if side), key=lambda one: -one.apart)
-    said = " or ".join(_released(one, "rad" if problem.angular else "m") for one in told)
-    return f"let it go {said}, and diagnose both recordings with --together" if told else ""
-
-
-def _released(one: Release, unit: str) -> str:
-    far = f"{one.factor:.2g} times as far, where the two differ by {_two_figures(one.apart)} times what is left now"
-    return f"from {one.amplitude:.2g} {unit} ({far})"
+    if not told:
+        return ""
+    unit, about = "rad" if problem.angular else "m", "the two then differ by {} times the residual"
+    said = []
+    for one in told:
+        said.append(f"{one.amplitude:.2g} {unit} ({about.format(_two_figures(one.apart))})")
+        about = "{} times"
+    return f"let it go from {' or '.join(said)}, and diagnose both recordings with --together"

@@ -53,7 +53,7 @@
       const up = name.replace("x", "y"), top = 1 - i / n;
       styled[name] = { ...styled[name], domain: [0, 1], anchor: up.replace("axis", ""), title: i < n - 1 ? "" : styled[name].title };
       styled[up] = { ...styled[up], domain: [top - 1 / n + 0.09, top - 0.02], showticklabels: true, title: styled.yaxis.title };
-      styled.annotations[i] = { ...styled.annotations[i], x: 0, y: top - 0.02 };
+      styled.annotations[i] = { ...styled.annotations[i], x: 0, y: top - 0.02, align: "left", text: lines(styled.annotations[i].text, 34) };
     });
     return styled;
   }
