@@ -23,7 +23,7 @@ from harness.io.columns import (
     unit_ending,
 )
 from harness.io.options import UNSAID, ReadOptions, RefusedError
-from harness.io.scoring import CONVERTER, GYRO_COUNTS, TURNING, Reading, likelier_unit, runs_of
+from harness.io.scoring import CONVERTER, GYRO_COUNTS, TURN_OF_4096, TURNING, Reading, likelier_unit, runs_of
 from harness.io.table import Table
 from harness.io.times import clock_unit, unrolled
 from harness.io.units import RAW, STEPS, NoUnitError, OtherUnitError, TwofoldUnitError, Unit, is_unit_of, parse_unit
@@ -65,20 +65,7 @@ def chosen(table: Table, options: ReadOptions) -> Chosen:
             found.mappings["t"] = Mapping("t", ("t",))
     mappings = found.mappings
     if not set(mappings) & {"x", "v", "a"}:
-        hint = "columns named t and one or more of x, v, a, or a choice of them by --columns"
-        what = f"the columns {table.listed()}"
-        counted = next((table.headers[i] for i, unit in table.units.items() if STEPS.match(unit)), None)
-        if counted is not None:
-            what = f"{what}; {counted} is what a sensor counts"
-        if columns is None and (bare := _without_unit(table)):
-            what = f"{what}; {bare}"
-        if (field := next(filter(is_electrical, table.headers), None)) is not None:
-            what = f"{what}; {field} is of the motor's field: times 1/7 for 7 pole pairs"
-        if force := next((h for i, h in enumerate(table.headers) if _is_force(table, i)), ""):
-            what = f"{what}: {force[:_LONG]} is a force, and no motion was recorded with it"
-        if columns is None and _nameless(table):
-            what = f"{table.columns([0])[0].size} rows, too few for a motion, and no names that say a friction curve"
-        raise RefusedError(str(table.path), what, hint, _others(table, options))
+        raise _no_motion(table, options)
     if "t" not in mappings and rate is None and set(mappings) != {"v", "u"}:
         hint = "a column t, or its sampling rate by --rate HZ"
         others = _others(table, options) if columns is None else ()
@@ -88,6 +75,28 @@ def chosen(table: Table, options: ReadOptions) -> Chosen:
         raise InputError("--rate", f"given although a column of {table.path} gives the time", accepted)
     commanded = _commanded(table, mappings)
     return replace(found, notes=(*found.notes, *commanded), commanded=bool(commanded))
+
+
+def _no_motion(table: Table, options: ReadOptions) -> RefusedError:
+    """What a table has in place of columns of a motion, and how it may be read."""
+    hint = "columns named t and one or more of x, v, a, or a choice of them by --columns"
+    what = f"the columns {table.listed()}"
+    counts = (i for i in range(len(table.headers)) if STEPS.match(table.units.get(i, "")) or _is_converted(table, i))
+    counted = next((table.headers[i] for i in counts), None)
+    if counted is not None:
+        what = f"{what}; {counted} is what a sensor counts"
+    if options.columns is None and (bare := _without_unit(table)):
+        what = f"{what}; {bare}"
+    if (field := next(filter(is_electrical, table.headers), None)) is not None:
+        what = f"{what}; {field} is of the motor's field: times 1/7 for 7 pole pairs"
+    if force := next((h for i, h in enumerate(table.headers) if _is_force(table, i)), ""):
+        what = f"{what}: {force[:_LONG]} is a force, and no motion was recorded with it"
+    if options.columns is None and _nameless(table):
+        what = f"{table.columns([0])[0].size} rows, too few for a motion, and no names that say a friction curve"
+    others = _others(table, options)
+    if others and f"={TURN_OF_4096}*" in others[0]["columns"]:
+        what = f"{what}; {TURN_OF_4096} rad are a step where 4096 are a turn"
+    return RefusedError(str(table.path), what, hint, others)
 
 
 def _commanded(table: Table, mappings: dict[str, Mapping]) -> list[str]:
@@ -293,7 +302,7 @@ def unscaled(table: Table, mappings: dict[str, Mapping], read: dict[str, tuple[F
         if position < 0 or not (counts or RAW.match(table.units.get(position, "m")) or _is_converted(table, position)):
             continue
         said, shown = table.quoted(position), told.text or unit
-        turn = f", or {channel}={_TURN_OF_4096}*{said}[rad] where 4096 are a turn" if channel == "x" else ""
+        turn = f", or {channel}={TURN_OF_4096}*{said}[rad] where 4096 are a turn" if channel == "x" else ""
         found.append(
             f"{channel} is read as if one step of {table.headers[position][:_LONG] or said} were 1 {shown}: where it "
             f"is a sensor's count, --columns gives its worth, as {channel}=0.001*{said}[{shown}]{turn}."
@@ -334,7 +343,6 @@ def _header(table: Table, position: int) -> str:
 
 
 _SI = {"x": "m", "v": "m/s", "a": "m/s^2", "u": "N"}
-_TURN_OF_4096 = 0.00153398
 _TURNS = {"x": "", "v": "/s", "a": "/s^2"}
 """Behind the unit of an angle."""
 
@@ -357,7 +365,7 @@ def as_angles(
     turn = "deg" if float(np.nanmax(x) - np.nanmin(x)) > 2.0 * np.pi else "rad"
     if turn == "deg" and not float(np.nanmin(x)) < 0.0 < float(np.nanmax(x)):
         found = f"no unit, and values from {np.nanmin(x):.6g} to {np.nanmax(x):.6g}"
-        accepted = 'an angle, "x=COLUMN[deg]" in --columns, or counts of 4096 a turn, "x=COLUMN*0.00153398[rad]"'
+        accepted = f'an angle, "x=COLUMN[deg]" in --columns, or counts of 4096 a turn, "x=COLUMN*{TURN_OF_4096}[rad]"'
         raise InputError(f"{path}: column x", found, accepted)
     units = {c: parse_unit("", c, turn + _TURNS[c]) for c in bare}
     turned = {c: (read[c][0] * unit.factor, unit) for c, unit in units.items()}

@@ -33,7 +33,7 @@ from harness.io.columns import (
 )
 from harness.io.table import Table
 from harness.io.times import SCALES, clock_unit, unrolled
-from harness.io.units import RAW, is_unit_of, of_a_turn, parse_unit
+from harness.io.units import RAW, STEPS, is_unit_of, of_a_turn, parse_unit
 
 _MOST_COLUMNS, _MOST_SAMPLES, _MOST_SPEEDS = 64, 20_000, 16
 """Columns that are looked at; of these, samples and columns at which slopes are compared."""
@@ -81,6 +81,11 @@ _IN_VOLTS = re.compile(r"volt|spannung|percent|prozent|duty|pwm|(?<![a-z])(?:ecg
 """Words of what is no motion before somebody says its scale."""
 CONVERTER = re.compile(r"(?<![a-z])(?:counts?|cts|ticks?|raw|adc|lsb|pulses?|pixels?|px)(?![a-z])", re.IGNORECASE)
 """In the name of a column whose numbers are no lengths yet."""
+_CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])")
+_ENCODER = re.compile(r"(?<![a-z])enc(?:oder)?s?(?![a-z])")
+"""In the name of what turns, where nothing says that it is a length."""
+TURN_OF_4096 = 0.00153398
+"""rad of a step where 4096 are a turn, as most sensors of an angle have."""
 _NO_SIGN = re.compile(r"absolute|magnitude|norm|\bsigma|\bstd|uncertainty", re.IGNORECASE)
 
 
@@ -317,7 +322,7 @@ def _columns(table: Table) -> Iterator[Column]:
         mark, name = marked(table.names[i])
         if again := table.names[:i].count(table.names[i]):  # of columns that repeat, a later run
             mark = (*mark, str(again + 1))
-        channel, by, unit = _by_name(name, table.units.get(i))
+        channel, by, unit, said = _named(table, i, name, told)
         steps = np.diff(told)
         measured = channel in CHANNELS and by == _UNIT
         if channel != "t" and not measured and i not in table.dated and _is_count(header, told, steps):
@@ -338,7 +343,23 @@ def _columns(table: Table) -> Iterator[Column]:
             channel, by, unit = "a", _SCALED, "mg"
         if channel != "other":
             given = unit != table.units.get(i)
-            yield Column(i, table.quoted(i), name, channel, by, unit, given, mark, rises, values)
+            yield Column(i, said, name, channel, by, unit, given, mark, rises, values)
+
+
+def _named(table: Table, position: int, name: str, told: FloatArray) -> tuple[str, int, str, str]:
+    """As ``_by_name``, and the column as --columns takes it; steps (n,) of what turns are asked for in rad."""
+    channel, by, unit = _by_name(name, table.units.get(position))
+    said = table.quoted(position)
+    if channel in ("", "x") and _counts_turns(name, table.units.get(position, unit), told):
+        return "x", _SCALED, "rad", f"{TURN_OF_4096}*{said}"
+    return channel, by, unit, said
+
+
+def _counts_turns(name: str, unit: str, told: FloatArray) -> bool:
+    """Whether values (n,) are an angle, or of an encoder, in steps that a sensor counts."""
+    encoder = bool(_ENCODER.search(_CAMEL.sub(" ", name).lower())) and bool(np.all(told == np.round(told)))
+    counts = STEPS.match(unit) if unit else encoder or CONVERTER.search(name.replace("_", " "))
+    return bool(counts) and (encoder or is_angle(name))
 
 
 def likelier_unit(channel: str, name: str, values: FloatArray, t: FloatArray | None = None) -> str:
@@ -524,6 +545,6 @@ def _by_name(name: str, unit: str | None) -> tuple[str, int, str]:
 def _is_count(header: str, told: FloatArray, steps: FloatArray) -> bool:
     """Whether a column numbers its rows."""
     whole = bool(np.all(told == np.round(told)))
-    words = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", header).lower()
+    words = _CAMEL.sub(" ", header).lower()
     named = bool(_COUNTS & set(re.split(r"[^a-z]+", words)))
     return whole and (bool(np.all((steps == 0.0) | (steps == 1.0))) or (named and bool(np.all(steps >= 0.0))))

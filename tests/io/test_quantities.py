@@ -261,6 +261,25 @@ def test_counts_in_brackets_are_asked(tmp_path: Path, header: str) -> None:
     np.testing.assert_allclose(asked(path)["x"], X, rtol=1e-8)
 
 
+@pytest.mark.parametrize(
+    "header",
+    ["time_ms,encoder", "time_ms,angle_counts", "time_ms,angle [ticks]", "t [ms],EncoderA", "t [ms],theta_raw"],
+)
+def test_steps_of_what_turns_are_asked_in_rad_and_never_in_mm(tmp_path: Path, header: str) -> None:
+    """A pendulum's sensor of 4096 steps a turn, of whose steps nothing is said."""
+    steps = np.round(4096.0 / (2.0 * np.pi) * 0.4 * X / np.max(np.abs(X))) + 600.0
+    path = written(tmp_path / "a.csv", header, 1e3 * T, steps)
+    with pytest.raises(InputError, match=r"0\.00153398 rad are a step where 4096 are a turn\. Try: "):
+        read_recording(path)
+    np.testing.assert_allclose(asked(path)["x"], 2.0 * np.pi / 4096.0 * steps, rtol=1e-6)
+    assert asked(path).angular
+
+
+def test_an_encoder_that_shows_fractions_may_be_one_of_a_length(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"x=encoder\[mm\]"):
+        read_recording(written(tmp_path / "a.csv", "time [s],encoder", T, 1e3 * X + 0.25))
+
+
 FINE = 0.05 * np.arange(800.0)
 SWING = np.exp(-FINE / 20.0) * np.cos(FINE)
 
