@@ -281,7 +281,8 @@ def _search(problem: Problem, candidates: Sequence[Candidate], forced: Sequence[
         others = _without_its_part(design, best.candidate)
         named, trial = polished(parts, others.named, best)
         before, after = (held_out(one, t) for one in (others, trial))
-        if after >= before or not _sized(trial) or not _within_reach(trial) or _driving(trial) > _driving(design):
+        told = _sized(trial) and all(_shaped(trial)) and _within_reach(trial)
+        if after >= before or not told or _driving(trial) > _driving(design):
             refused.add(best.candidate.key)
             continue
         design = trial
@@ -328,6 +329,16 @@ def _sized(design: Design) -> bool:
         for one, place in zip(design.named, design.places, strict=True)
         if one.candidate.name != WITHIN_A_SAMPLE
     )
+
+
+def _shaped(design: Design) -> list[bool]:
+    """Of each that was named whether its speed, wave or exponent is known, by two errors of it.
+
+    With any a wave is a slope, and a power of the speed Coulomb friction, which loses its own number to it.
+    """
+    errors = np.sqrt(np.diag(design.covariance()))
+    every = zip(design.named, design.places, strict=True)
+    return [one.candidate.among is None or 2.0 * float(errors[at][-1]) < one.value for one, at in every]
 
 
 def _within_reach(design: Design) -> bool:
@@ -427,8 +438,9 @@ def _pruned(parts: Parts, chosen: Sequence[Named], forced: int, left_out: Named 
             parts = {j: replace(part, noise=_learnt(design, j)) for j, part in design.parts.items()}
             kept, design = settled(parts, [replace(one, whitened=Whitened.of(one.candidate, parts)) for one in kept])
         sure = []
-        for i, one in enumerate(kept):
-            sure.append(Design(parts, [*kept[:i], *kept[i + 1 :]]).score(one.whitened).evidence)
+        for i, (one, shaped) in enumerate(zip(kept, _shaped(design), strict=True)):
+            others = Design(parts, [*kept[:i], *kept[i + 1 :]])
+            sure.append(others.score(one.whitened).evidence if shaped else 0.0)
         kept[forced:] = [replace(one, evidence=value) for one, value in zip(kept[forced:], sure[forced:], strict=True)]
         design.named = tuple(kept)
         if not sure[forced:] or min(sure[forced:]) >= NAMED.value:
