@@ -11,12 +11,14 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
-from whole_arm_logs import LOWPASS, NAMES, arm, log_of, machine, of_joints
+from whole_arm_logs import LOWPASS, NAMES, arm, log_of, machine, of_joints, with_effect
 
+from benchmarks.robot_logs.plants import clean
 from harness.core.errors import InputError
 from harness.core.robot import JointLog
 from harness.robot.arm import Arm, load_arm
-from harness.robot.whole_arm.columns import PAYLOAD, TILT
+from harness.robot.whole_arm.columns import PAYLOAD, STRIBECK, TILT
+from harness.robot.whole_arm.perturb import with_load
 from harness.robot.whole_arm.result import WholeArm
 from harness.robot.whole_arm.whole import whole_arm
 
@@ -227,6 +229,31 @@ def test_a_clean_arm_in_closed_loop_is_quiet(tmp_path: Path) -> None:
     for joint, f_k, c in zip(found.joints, F_K, C, strict=True):
         assert joint.coulomb.value == pytest.approx(f_k, rel=0.01)
         assert joint.viscous.value == pytest.approx(c, rel=0.05)
+
+
+@pytest.mark.parametrize(("seed", "number"), [(3, 1), (1, 16)])
+def test_friction_that_an_engine_regularises_is_no_power_of_the_speed(seed: int, number: int) -> None:
+    """A power whose exponent may be none at all is Coulomb friction, which would be lost to it."""
+    one = clean(seed, number, "mujoco")
+    found = whole_arm(one.log, one.arm)
+    assert found.named == ()
+    for joint, coulomb in zip(found.joints, one.plant.coulomb, strict=True):
+        assert joint.coulomb.value == pytest.approx(coulomb, rel=0.02)
+
+
+@pytest.mark.parametrize("kg", [0.02, 0.06])
+def test_an_error_that_is_smaller_than_models_are_exact_is_named_only_where_it_is_most(kg: float) -> None:
+    """A load alone, and beside a joint whose friction falls with speed by far more."""
+    plant, motion = machine()
+    loaded = replace(plant, arm=with_load(arm(), kg))
+    assert whole_arm(log_of(loaded, motion), arm(), lowpass=LOWPASS).named == ((PAYLOAD, None),)
+    falls = with_effect(loaded, 0, lambda t, q, v, g: plant.coulomb[0] * np.sign(v) * np.exp(-((v / 0.3) ** 2)))
+    found = whole_arm(log_of(falls, motion), arm(), lowpass=LOWPASS)
+    assert ((PAYLOAD, None) in found.named) == (kg > 0.03)
+    assert (STRIBECK, "joint1") in found.named
+    (said,) = [one for one in (*found.notes, *(error.statement for error in found.model)) if "more at the end" in one]
+    assert f"There is {kg:g}" in said
+    assert found.joints[0].coulomb.value == pytest.approx(plant.coulomb[0], rel=0.02)
 
 
 @pytest.fixture

@@ -44,6 +44,7 @@ from harness.robot.whole_arm.result import Entry, Grade, JointFriction, Left, Wh
 from harness.robot.whole_arm.rules import (
     EXPLAINED,
     LEAST_SAMPLES,
+    LEAST_SIZE,
     MAIN,
     REACH,
     RIVAL,
@@ -169,6 +170,11 @@ class _Told:
                 continue
             if not any(abs(one.value or 0.0) >= _SEEN * (one.stderr or 0.0) for _, one in error.parameters):
                 notes.append(f"{error.name} is allowed for: none of its numbers is beyond two standard errors.")
+                continue
+            least = LEAST_SIZE.value * one.candidate.spread
+            small = bool(np.all(np.isfinite(least)) and np.all(np.abs(solved.total(one)) < least))
+            if small and error.share <= MAIN.value:
+                notes.append(f"Allowed for, and smaller than models are exact: {error.statement}")
                 continue
             errors.append(error)
         entries = [*(effect for one in found.values() for effect in one.effects), *errors]
