@@ -275,6 +275,43 @@ def test_steps_of_what_turns_are_asked_in_rad_and_never_in_mm(tmp_path: Path, he
     assert asked(path).angular
 
 
+def in_frames(t: FloatArray, steps: FloatArray, form: str) -> list[str]:
+    """A position in the second pair of bytes of frames 0x181, low byte first, among a node's heartbeats."""
+    data = [bytes([7, 0, *int(one).to_bytes(2, "little", signed=True)]).hex(" ").upper() for one in steps]
+    rows = []
+    for i, (at, said) in enumerate(zip(t, data, strict=True)):
+        if form == "log":
+            rows += [f"({1.7e9 + at:.6f}) can0 181#{said.replace(' ', '')}"]
+            rows += [f"({1.7e9 + at:.6f}) can0 701#05"] * (i % 10 == 0)
+        else:
+            stamp = f" ({1e3 + at:013.6f})" if form == "screen" else ""
+            rows += [f"{stamp}  can0  {'RX - -  ' * (form == 'screen')}181   [4]  {said}"]
+    return rows
+
+
+@pytest.mark.parametrize("form", ["log", "screen", "bare"])
+def test_frames_of_a_can_bus_are_numbers_of_two_bytes_and_of_four(tmp_path: Path, form: str) -> None:
+    steps = np.round(900.0 * X / np.max(np.abs(X))) - 200.0
+    path = tmp_path / "can.log"
+    path.write_text("\n".join(in_frames(T, steps, form)) + "\n")
+    rate, clock = (1.0 / float(T[1] - T[0]), "") if form == "bare" else (None, "t=t,")
+    with pytest.raises(InputError, match=r"x=int16_2") as refused:
+        read_recording(path, ReadOptions(rate=rate))
+    assert "int32be_0" in str(refused.value)
+    found = read_recording(path, ReadOptions(columns=f"{clock}x=0.5*int16_2[deg]", rate=rate))
+    np.testing.assert_allclose(found["x"], np.deg2rad(0.5 * steps), rtol=1e-9)
+    np.testing.assert_allclose(found.t - found.t[0], T, atol=2e-6)
+    assert any("Frames of 181 are read, and not those of 701" in note for note in found.notes) == (form == "log")
+
+
+def test_registers_in_hexadecimal_are_whole_numbers(tmp_path: Path) -> None:
+    steps = np.round(900.0 * X / np.max(np.abs(X))).astype(int) + 2000
+    rows = [f"{1e3 * t:g},0x{x:04X}" for t, x in zip(T, steps, strict=True)]
+    path = tmp_path / "a.csv"
+    path.write_text("\n".join(["time_ms,position [mm]", *rows]) + "\n")
+    np.testing.assert_allclose(read_recording(path)["x"], 1e-3 * steps, rtol=1e-9)
+
+
 def test_an_encoder_that_shows_fractions_may_be_one_of_a_length(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"x=encoder\[mm\]"):
         read_recording(written(tmp_path / "a.csv", "time [s],encoder", T, 1e3 * X + 0.25))
