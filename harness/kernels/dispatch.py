@@ -31,6 +31,7 @@ def speed_level(number: int, v: float, theta: FloatArray, o: int, out: FloatArra
     _position_dependent_friction,
     _load_dependent_friction,
     _load_dependent_friction_gravity,
+    _load_dependent_friction_across,
     _position_dependent_friction_periodic,
     _friction_drift,
     _friction_drift_free,
@@ -42,6 +43,7 @@ def speed_level(number: int, v: float, theta: FloatArray, o: int, out: FloatArra
     "position-dependent-friction",
     "load-dependent-friction",
     "load-dependent-friction:gravity",
+    "load-dependent-friction:across",
     "position-dependent-friction:periodic",
     "friction-drift",
     "friction-drift:free",
@@ -61,16 +63,18 @@ def modulation(number: int, x: float, v: float, t: float, theta: FloatArray, o: 
     elif number == 2:
         _load_dependent_friction_gravity(x, v, theta, o, out)
     elif number == 3:
-        _position_dependent_friction_periodic(x, v, theta, o, out)
+        _load_dependent_friction_across(x, v, theta, o, out)
     elif number == 4:
-        _friction_drift(x, v, t, theta, o, out)
+        _position_dependent_friction_periodic(x, v, theta, o, out)
     elif number == 5:
-        _friction_drift_free(x, v, t, theta, o, out)
+        _friction_drift(x, v, t, theta, o, out)
     elif number == 6:
-        _normal_load_variation(x, v, t, theta, o, out)
+        _friction_drift_free(x, v, t, theta, o, out)
     elif number == 7:
-        _tabulated_friction_position(x, v, theta, o, out)
+        _normal_load_variation(x, v, t, theta, o, out)
     elif number == 8:
+        _tabulated_friction_position(x, v, theta, o, out)
+    elif number == 9:
         _given_friction(x, v, t, theta, o, out)
 
 

@@ -49,6 +49,30 @@ def test_a_spring_that_relaxes_at_once_and_slowly_is_one_viscoelastic_spring() -
     assert names(seen(np.array(x), 1e-5)) == ["viscoelastic"]
 
 
+def test_a_spring_across_a_weight_loads_its_guide_as_both_add_up_at_right_angles() -> None:
+    """1 kg on 60 N/m; the guide bears 20 N of weight and, across it, the spring: friction of .015 of both."""
+
+    def law(t: float, state: FloatArray, way: float) -> list[float]:
+        x, v = state
+        return [v, -60.0 * x - 0.15 * v - way * 0.015 * math.hypot(20.0, 60.0 * x)]
+
+    def turns(t: float, state: FloatArray, way: float) -> float:
+        return way * float(state[1])
+
+    turns.terminal, turns.direction = True, -1.0  # type: ignore[attr-defined]
+    t, state, way, x = 0.0, (1.0, 0.0), -1.0, np.full(T.size, np.nan)
+    while t < T[-1]:
+        run = solve_ivp(law, (t, T[-1]), state, args=(way,), events=turns, dense_output=True, rtol=1e-10, atol=1e-12)
+        within = (t <= T) & (run.t[-1] >= T)
+        x[within] = run.sol(T[within])[0]
+        t, state, way = float(run.t[-1]), (float(run.y[0, -1]), 0.0), -way
+    found = harness.diagnose(seen(x, 1e-4), restoring="spring", zero="spring", engines=())
+    (one,) = found.mechanisms
+    assert (found.verdict, one.name) == ("missing_physics", "load-dependent-friction")
+    assert one.parameters["gain_2"].value == pytest.approx((60.0 / 20.0) ** 2, rel=0.05)
+    assert found.refined.parameters["x_k"].value == pytest.approx(0.015 * 20.0 / 60.0, rel=0.02)
+
+
 C, F_K, K = 0.1, 0.4, 40.0
 
 

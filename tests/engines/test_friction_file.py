@@ -22,6 +22,7 @@ LAWS: dict[str, tuple[ModelTerm, ...]] = {
     "coulomb": (),
     "stribeck": (ModelTerm.named("stribeck", f_s=4.5, v_s=0.4),),
     "load": (ModelTerm.named("load-dependent-friction", gain=1.5),),
+    "across": (ModelTerm.named("load-dependent-friction:across", gain_2=9.0),),
     "presliding": (ModelTerm.named("presliding", sigma0=3000.0, sigma1=5.0),),
     "lugre": (ModelTerm.named("presliding", sigma0=3000.0, sigma1=5.0), ModelTerm.named("stribeck", f_s=4.5, v_s=0.4)),
     "regularised": (ModelTerm.named("regularised-friction", v_r=0.2, lead=0.0),),
