@@ -218,10 +218,12 @@ def test_what_is_too_wide_for_its_place_is_whole_there(browser: "Browser", tmp_p
     dots = [{"type": "scatter", "mode": "markers", "x": [0.0, 1.0], "y": [0.0, 1.0], "showlegend": False}] * 2
     dots[1] = dots[1] | {"xaxis": "x2", "yaxis": "y2"}
     planes = Figure("planes", dots, {"yaxis": {}, **halves, "annotations": heads})
+    close = [{"type": "scatter", "x": ["one", "two", "three"], "y": [0.019985, 0.020013, 0.019993]}]
     plots: list[b.Block] = [
         planes,
         Figure("shares", shares, category),
         Figure("lines", lines, {"xaxis": {}, "yaxis": {}}),
+        Figure("digits", close, {"xaxis": {}, "yaxis": {"title": {"text": "zeta"}}}, height=260),
     ]
     sections = [b.Section("All", [b.Folded("table", [table]), long, b.Code("harness " + "x" * 200), *plots])]
     write_report(tmp_path / "page.html", b.Page("Wide", "", sections))
@@ -230,8 +232,13 @@ def test_what_is_too_wide_for_its_place_is_whole_there(browser: "Browser", tmp_p
         + [...document.querySelectorAll(".plot")].flatMap((plot) => [...plot.querySelectorAll("svg text")]
         .map((text) => [text.getBoundingClientRect(), plot.getBoundingClientRect()])
         .filter(([text, plot]) => text.right > plot.right + 1 || text.left < plot.left - 1)).length"""
+    across = """() => [...document.querySelectorAll(".plot")].flatMap((plot) => {
+        const boxes = (of) => [...plot.querySelectorAll(of)].map((one) => one.getBoundingClientRect());
+        return boxes(".ytitle").flatMap((title) => boxes(".ytick text").filter((tick) => tick.left < title.right));
+        }).length"""
     for width in (400, 1280):
         page, said = open_page(browser, tmp_path / "page.html", width=width)
+        assert page.evaluate(across) == 0, width
         page.click("summary")
         page.wait_for_timeout(100)
         assert page.evaluate(beyond) == 0, width

@@ -15,7 +15,7 @@ from harness.show.blocks import Column, Figure, Page, Reasons, Section, Table, b
 from harness.show.numbers import quantity
 from harness.show.plots import axes, dots, per
 from harness.show.report.identify import channel_figures, methods_section
-from harness.show.report.page import made_with
+from harness.show.report.page import made_with, symbols
 from harness.show.report.repeated import repeated_table
 
 _COLOR = "#2b7fd6"
@@ -81,7 +81,8 @@ def _by_recording(name: str, found: Mapping[str, P]) -> Figure:
     errors = np.array([p.stderr or 0.0 for p in found.values()]) * factor
     bars = {"error_y": {"type": "data", "array": errors, "color": _COLOR, "thickness": 1.2, "width": 3}}
     points = dots(name, list(found), y, {"color": _COLOR, "size": 7}, f"%{{y:.6g}} {unit}<extra></extra>", **bars)
-    layout = axes("recording", f"{name} / {per(unit)}" if unit else name, showlegend=False)
+    said = str(symbols(name))
+    layout = axes("recording", f"{said} / {per(unit)}" if unit else said, showlegend=False)
     return Figure(f"recordings-{name}", [points], layout, "Bars are one standard error.", "", 260)
 
 

@@ -43,6 +43,9 @@
     };
     for (const name of new Set(["xaxis", "yaxis", ...Object.keys(layout).filter((key) => /^[xy]axis\d*$/.test(key))]))
       styled[name] = { ...axis, ...(layout[name] || {}) };
+    // a title stands beside the numbers of its axis however long these are
+    for (const name of Object.keys(styled)) if (/^yaxis\d*$/.test(name) && styled[name].title)
+      styled[name] = { ...styled[name], title: { standoff: 8, ...styled[name].title } };
     // planes side by side stand one above the other where they would be too narrow to read
     const beside = Object.keys(layout).filter((key) => /^xaxis\d*$/.test(key) && layout[key].domain), n = beside.length;
     const place = element(spec), stacked = n > 1 && narrow(spec);
