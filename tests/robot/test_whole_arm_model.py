@@ -383,6 +383,26 @@ def test_load_and_position_of_one_gravity_joint_are_a_pair() -> None:
     assert all(e.pair == LOAD_OR_POSITION for e in told)
 
 
+@pytest.mark.parametrize(
+    ("own", "said"), [(0.0, "the torque of gravity and motion"), (1.0, "all torque that its gears")]
+)
+def test_friction_grows_with_the_torque_of_the_motion_where_gravity_is_none(own: float, said: str) -> None:
+    """Of an upright joint: with what moves the arm, or with that and the friction that the gears overcome."""
+    plant, motion = machine()
+    t = np.arange(0.0, 12.0, 0.004)
+    q, v, a = motion.at(t)
+    share, v = 0.04, v[:, 0]
+    sliding = plant.coulomb[0] * np.sign(v) + plant.viscous[0] * v
+    carried = np.abs(arm().inverse(q, motion.at(t)[1], a)[:, 0] + own * sliding)
+    effect: Friction = lambda at, _, speed, g: share * np.interp(at, t, carried) * np.sign(speed)  # noqa: E731
+    found = whole_arm(log_of(with_effect(plant, 0, effect), motion), arm(), lowpass=LOWPASS)
+    assert found.named == ((LOAD, NAMES[0]),)
+    (told,) = found.joints[0].effects
+    assert said in told.statement
+    assert dict(told.parameters)["share of load"].value == pytest.approx(share, rel=0.1)
+    assert found.joints[0].coulomb.value == pytest.approx(plant.coulomb[0], rel=0.03)
+
+
 def test_bristles_turn_over_their_length() -> None:
     q = np.concatenate((np.linspace(0.0, 0.1, 1000), np.linspace(0.1, 0.0, 1000)))
     state = bristles(q, 0.01)

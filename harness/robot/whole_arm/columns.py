@@ -150,6 +150,8 @@ _EXPONENTS = np.linspace(power_law_damping.TERM.parameters[1].lower, power_law_d
 """Powers of the speed that are tried."""
 _NOTHING = 1e-9
 """N m or N: a range of gravity below it is rounding."""
+OF_GRAVITY, OF_MOTION, CARRIED = 0.0, 1.0, 2.0
+"""Which load friction grows with: gravity's torque, that with the motion's, or all in the gears, friction's too."""
 
 
 def signs(v: FloatArray) -> FloatArray:
@@ -231,8 +233,10 @@ def convex(filtered: Filtered, joint: int) -> Candidate:
     return replace(found, positive=True)
 
 
-def friction_candidates(filtered: Filtered, joint: int, gravity: FloatArray, kept: BoolArray) -> Iterator[Candidate]:
-    """What is judged on guarded samples ``kept`` (m,); gravity (M,) : torque of gravity on the joint, N m."""
+def friction_candidates(
+    filtered: Filtered, joint: int, loads: Mapping[float, FloatArray], kept: BoolArray
+) -> Iterator[Candidate]:
+    """What is judged on guarded samples ``kept`` (m,); loads : (M,), N m, by which they are."""
     dof = filtered.dof[joint]
     q, v = filtered.q_fine[:, dof], filtered.v_fine[:, dof]
     sign, time = signs(v), (filtered.t_fine - filtered.t_fine[0]) / filtered.seconds - 0.5
@@ -242,8 +246,10 @@ def friction_candidates(filtered: Filtered, joint: int, gravity: FloatArray, kep
 
     if (fall := falling(filtered, joint, kept)) is not None:
         yield fall
-    if np.ptp(gravity) > _NOTHING:
-        yield one(LOAD, "share of load", "1", sign * np.abs(gravity), jumps=True)
+    bearing = np.array([by for by, load in loads.items() if np.ptp(load) > _NOTHING])
+    if bearing.size:
+        pressed = {by: filtered.column((sign * np.abs(loads[by]))[:, None], jumps=True) for by in bearing.tolist()}
+        yield of_friction(LOAD, joint, (("share of load", "1"),), pressed.__getitem__, None, bearing, smooth=False)
     yield one(ASYMMETRIC, "half difference", "N m s/rad", np.abs(v))
     yield convex(filtered, joint)
     yield concave(filtered, joint)

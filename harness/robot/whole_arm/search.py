@@ -15,7 +15,10 @@ from harness.core.errors import InputError
 from harness.core.robot import JointLog
 from harness.robot.arm import Arm
 from harness.robot.whole_arm.columns import (
+    CARRIED,
     DELAY,
+    OF_GRAVITY,
+    OF_MOTION,
     PAYLOAD,
     POWER,
     TILT,
@@ -76,7 +79,8 @@ class Problem:
 
 def prepare(filtered: Filtered, arm: Arm, known: Known) -> Problem:
     """The problem of a filtered log whose joints all move."""
-    rigid = filtered.rigid(arm)
+    moving = arm.inverse(*filtered.wide)[:, filtered.dof]
+    rigid = filtered.column(moving)
     gravity, weight = (
         arm.inverse(q, np.zeros_like(q), np.zeros_like(q))[:, filtered.dof] for q in (filtered.q_fine, filtered.q)
     )
@@ -88,7 +92,10 @@ def prepare(filtered: Filtered, arm: Arm, known: Known) -> Problem:
         floor = _EXACT * float(np.sqrt(np.mean(filtered.torque[:, j] ** 2)))
         width, kept, numbers, noise = _guarded(filtered, j, torque, base, floor)
         guards.append(width)
-        candidates += friction_candidates(filtered, j, gravity[:, j], kept)
+        v_fine = filtered.v_fine[:, dof]
+        carried = moving[:, j] + np.column_stack((signs(v_fine), v_fine)) @ numbers[:2]
+        loads = {OF_GRAVITY: gravity[:, j], OF_MOTION: moving[:, j], CARRIED: carried}
+        candidates += friction_candidates(filtered, j, loads, kept)
         # What viscous friction does that acts some time after the rest of the torque. Within one sample a log tells no
         # order of what happened: a controller holds its torque, an integrator takes friction from the speed at the end
         # of its step. Left out, this is an inertia of viscous friction times that time.

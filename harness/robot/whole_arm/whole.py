@@ -17,6 +17,7 @@ from harness.robot.friction_curve import FrictionCurve
 from harness.robot.whole_arm.columns import (
     ARMATURE,
     ASYMMETRIC,
+    CARRIED,
     DELAY,
     DRIFT,
     ERRORS,
@@ -24,6 +25,8 @@ from harness.robot.whole_arm.columns import (
     LOAD,
     LOAD_OR_POSITION,
     MOTOR,
+    OF_GRAVITY,
+    OF_MOTION,
     PAYLOAD,
     POSITION,
     POWER,
@@ -66,7 +69,7 @@ _BASE = ("N m", "N m s/rad", "N m")
 """Units of Coulomb, viscous and offset."""
 _SAID = {
     STRIBECK: "Friction falls with speed: by {0} more at rest than when it slides, over {1}.",
-    LOAD: "Friction grows with the joint's load: {0} of the torque of gravity.",
+    LOAD: "Friction grows with the joint's load: {0} of {load}.",
     ASYMMETRIC: "Viscous friction differs between the directions: by {0} on either side.",
     QUADRATIC: "Drag grows with the square of the speed: {0}.",
     POWER: "Friction has a part that grows with the power {1} of the speed: c_p = {0}.",
@@ -86,6 +89,13 @@ _SAID = {
     ARMATURE: "The inertia about the joint's axis is off by {0}",
     SPRING: "A spring that the model has not pulls the joint: {0}",
 }
+
+_LOADS = {
+    OF_GRAVITY: "the torque of gravity",
+    OF_MOTION: "the torque of gravity and motion",
+    CARRIED: "all torque that its gears carry",
+}
+"""What a share is of."""
 
 _SEEN = 2.0
 """Standard errors from which a number is said; several below it may show together that something is off."""
@@ -341,8 +351,8 @@ class _Told:
             place = design.place(one)
             numbers = design.numbers[place]
             either = {one.candidate.name, *(rival for rival, _ in one.rivals)} >= {LOAD, POSITION}
-            if one.candidate.name == LOAD and load_is_position(self.solved.problem, j, float(numbers[0])):
-                either = True
+            if one.candidate.name == LOAD and one.value == OF_GRAVITY:
+                either |= load_is_position(self.solved.problem, j, float(numbers[0]))
             errors = self._errors(place)
             alone = remainder if len(mine) == 1 else None
             yield self._entry(one, name, numbers, errors, share, alone, pair=LOAD_OR_POSITION if either else "")
@@ -396,7 +406,7 @@ class _Told:
         if candidate.bodies and one.setting:
             body = called(self.arm, candidate.bodies[one.setting])
             place, partner, pair = f"on {body}", f"mass of {body}", f"extra mass on {body}"
-        said = _SAID[name].format(*map(str, found.values()), all=everything, place=place)
+        said = _SAID[name].format(*map(str, found.values()), all=everything, place=place, load=_LOADS.get(one.value))
         if candidate.form:
             said = f"{said.removesuffix('.')}, as {candidate.form}."
         if name in ERRORS:
