@@ -19,7 +19,7 @@ class JointLog:
     t : s, increasing. position : rad or m, by joint. velocity : rad/s or m/s, effort : N m or N; joints that were not
     logged are not used. file : where it came from. sha256 : of that file. notes : what the reader did, one sentence
     each. goal : position that is asked of a servo, rad or m. voltage : of its supply, V. driven : 1 where it drives.
-    temperature : of the joint, degC.
+    temperature : of the joint, degC. unit : that positions came in, where the log says one for all, else "".
 
     Raises InputError for fewer than 50 samples, a value not finite, time that does not increase, or no position.
     """
@@ -35,6 +35,7 @@ class JointLog:
     voltage: Mapping[str, FloatArray] = field(default_factory=dict)
     driven: Mapping[str, FloatArray] = field(default_factory=dict)
     temperature: Mapping[str, FloatArray] = field(default_factory=dict)
+    unit: str = ""
 
     def __post_init__(self) -> None:
         t = vector(f"{self.file}: time", self.t)

@@ -308,6 +308,9 @@ def test_two_decays_of_what_may_be_one_machine_are_led_on(
     assert said in many.advice
     assert many.advice.endswith(line.format(*map(shlex.quote, files)))
     assert bool(many.advice) is bool(said)
+    # with itself it would count twice
+    again = diagnose_all([named[0], named[0]], DiagnoseOptions(engines=()), tmp_path / "twice", 1, command=command)
+    assert again.advice == ""
 
 
 def test_a_full_disk_leaves_nothing_of_what_others_were_writing(tmp_path: Path) -> None:

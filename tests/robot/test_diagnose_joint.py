@@ -314,6 +314,26 @@ def test_one_moving_joint_is_locked_and_three_are_a_whole_arm() -> None:
     assert moving.share > 0.9
 
 
+SLIDE = """<mujoco><worldbody><body><joint name="{joint}" type="{kind}"/><geom size=".05" mass="1" pos="0 0 .1"/></body>
+</worldbody></mujoco>"""
+
+
+@pytest.mark.parametrize(
+    ("kind", "unit", "said"),
+    [
+        ("hinge", "mm", "positions in mm, and it turns; expected an angle"),
+        ("slide", "deg", "it slides; expected a length"),
+    ],
+)
+def test_a_position_of_another_kind_than_its_joint_is_refused(tmp_path: Path, kind: str, unit: str, said: str) -> None:
+    (tmp_path / "one.xml").write_text(SLIDE.format(joint="one", kind=kind))
+    t = np.arange(0.0, 5.0, 0.01)
+    table = np.column_stack((t, 20.0 * np.exp(-0.2 * t) * np.cos(6.0 * t)))
+    np.savetxt(tmp_path / "log.csv", table, "%.5f", ",", header=f"t,one.position [{unit}]", comments="")
+    with pytest.raises(InputError, match=said):
+        diagnose(tmp_path / "log.csv", DiagnoseOptions(robot=RobotOptions(tmp_path / "one.xml", "one"), engines=()))
+
+
 def test_others_that_move_are_seen_in_a_wrong_unit_too() -> None:
     """An effort in another unit leaves much more than the others' torque, and hangs on it all the same."""
     log = excited(ARM, FRICTION, ARM.joints, duration=10.0)

@@ -26,6 +26,7 @@ from harness.io.logs.read import read_joint_log
 from harness.io.logs.tables import NO_POSITION
 from harness.io.options import ReadOptions
 from harness.io.recording import read_recording
+from harness.io.units import parse_unit
 from harness.model.model import Restoring
 from harness.results.diagnosis import DiagnosisResult
 from harness.robot.arm import Arm, load_arm
@@ -59,6 +60,8 @@ def diagnose_joint(
         return diagnose_servo([(path, log.file)], options, out, progress, command)
     log, guessed = _with_currents(path, arm, log, asked, options.reading)
     joint, every = _joint(arm, log, asked)
+    if not every:
+        _check_kind(arm, log, joint)
     found = coupling(arm, log, joint)
     if found.moving and joint not in log.effort:
         said = f"no effort of it is logged, and {', '.join(found.moving)} move{'s' * (len(found.moving) == 1)} too"
@@ -187,6 +190,17 @@ def _joint(arm: Arm, log: JointLog, asked: RobotOptions) -> tuple[str, bool]:
         accepted = "efforts, as columns NAME.effort or by --columns, or a log in which one joint moves alone"
         raise InputError(log.file, f"no joint's effort is logged, and {', '.join(those)} move", accepted)
     return told[0], len(those) > 1
+
+
+def _check_kind(arm: Arm, log: JointLog, joint: str) -> None:
+    """Raise InputError for a length of what turns, or an angle of what slides."""
+    angle = bool(log.unit) and parse_unit(log.file, "x", log.unit).angular
+    if log.unit and angle == arm.slides(joint):
+        if angle:
+            moves, way = "slides", f"a length; by a pulley of 20 mm: {joint}.position=COLUMN*0.02[m]"
+        else:
+            moves, way = "turns", f"an angle; of a place 0.4 m from its axis: {joint}.position=COLUMN*2.5[rad]"
+        raise InputError(f"{log.file}: {joint}", f"positions in {log.unit}, and it {moves}", f"{way} in --columns")
 
 
 def _finish(

@@ -23,7 +23,13 @@ def advice_on(results: Sequence[DiagnosisResult], command: str) -> str:
     """
     fits = [one.refined.parameters for one in results]
     tuned = [value for fit in fits if (value := _value(fit.get("omega_n")))]
-    if len(results) < 2 or len(tuned) < len(results) or max(tuned) > (1.0 + _TUNED) * min(tuned):
+    hashes = [one.recording.sha256 for one in results if one.recording.sha256]
+    if (
+        len(results) < 2
+        or len(set(hashes)) < len(hashes)
+        or len(tuned) < len(results)
+        or max(tuned) > (1.0 + _TUNED) * min(tuned)
+    ):
         return ""
     files = [one.recording.file for one in results]
     if len({tuple(sorted(m.name for m in one.mechanisms)) for one in results}) > 1:

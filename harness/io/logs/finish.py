@@ -36,7 +36,7 @@ _COUNTS, _SMALLER = 4096, 1024
 @dataclass(frozen=True, slots=True)
 class Finished:
     """What a ``JointLog`` is made of, of any length; arrays of shape (n,). beside : currents, and
-    efforts without a sign."""
+    efforts without a sign. unit : of positions as they came, "" where none is said of all."""
 
     t: FloatArray
     position: Mapping[str, FloatArray]
@@ -44,11 +44,14 @@ class Finished:
     effort: Mapping[str, FloatArray]
     beside: Fields
     notes: tuple[str, ...]
+    unit: str
 
     def log(self, file: str, sha256: str) -> JointLog:
         """The log; InputError for one that holds too little."""
         more = {kind: self.beside.get(kind, {}) for kind in _BESIDE}
-        return JointLog(self.t, self.position, self.velocity, self.effort, file, sha256, self.notes, **more)
+        return JointLog(
+            self.t, self.position, self.velocity, self.effort, file, sha256, self.notes, unit=self.unit, **more
+        )
 
 
 def finished(raw: Raw, file: str, options: LogOptions, gain: Gain | None) -> Finished:
@@ -80,7 +83,7 @@ def finished(raw: Raw, file: str, options: LogOptions, gain: Gain | None) -> Fin
         notes += [*coarse("velocity", velocity), *coarse("effort", effort), *sampling_notes(raw.t)]
     kinds: tuple[Field, ...] = ("current", "magnitude", *_BESIDE)
     beside = {kind: fields[kind] for kind in kinds if fields.get(kind)}
-    return Finished(raw.t, position, velocity, effort, beside, tuple(notes))
+    return Finished(raw.t, position, velocity, effort, beside, tuple(notes), raw.told.get("position", ""))
 
 
 def _counted(raw: Raw) -> Raw:

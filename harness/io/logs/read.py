@@ -307,7 +307,7 @@ def _looked(name: str, kind: str, raw: Raw, file: str, options: LogOptions, gain
         try:
             found = finished(raw, file, LogOptions(drop_nan=True), None)
         except InputError:
-            found = Finished(raw.t, {}, {}, {}, {}, raw.notes)
+            found = Finished(raw.t, {}, {}, {}, {}, raw.notes, "")
     held = {"position": found.position, "velocity": found.velocity, "effort": found.effort, **found.beside}
     fields = tuple(kind for kind in FIELDS if held.get(kind))
     told = {**raw.told, **({"magnitude": raw.told.get("effort", "")} if "magnitude" not in raw.told else {})}
