@@ -48,8 +48,8 @@ def _page(result: Sweep, kept: dict[str, str]) -> Page:
         exact, engine = read_trace(result.folder / TRACES / file).trajectories
         worst.append(Worst(by_name[name], file, exact, engine))
     versions = ", ".join(dict.fromkeys(f"{row['engine']} {row['version']}" for row in rows))
-    failed = f", {result.failed} of them could not be run" if result.failed else ""
-    subtitle = f"{result.total} rows{failed}: {versions}; every figure against an exact answer"
+    failed = f", of which {result.failed} could not be run" if result.failed else ""
+    subtitle = f"{versions}: {result.total} rows{failed}; every figure against an exact answer"
     sections = [
         *sweep_sections(rows, result.convergence(), worst, result.notes),
         made_with(result.machine, {"rows": "rows", "result": "result.json"}, result.command),
