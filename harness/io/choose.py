@@ -1,5 +1,7 @@
 """Which columns of a table are which channels: as --columns says, else by their names, else by what they hold."""
 
+import re
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -28,6 +30,8 @@ from harness.io.table import Table
 from harness.io.times import clock_unit, unrolled
 from harness.io.units import RAW, STEPS, NoUnitError, OtherUnitError, TwofoldUnitError, Unit, is_unit_of, parse_unit
 
+_STEP_TIME = re.compile(r"(?:dt|delta_?t|time_?step|sample_?time)(?:_[a-zµ]{1,2})?$")
+"""The name of a column of times from row to row."""
 _ONE_WAY = 0.9
 """Share of the rows of a friction curve, at least, in which the force has the sign of the speed."""
 _MOST_CHOICES, _SHOWN, _LONG = 6, 8, 60
@@ -113,7 +117,7 @@ def _commanded(table: Table, mappings: dict[str, Mapping]) -> list[str]:
 def _others(table: Table, options: ReadOptions) -> list[dict[str, Any]]:
     """Choices of columns to try, with a rate to be given where no column is a time."""
     run, timed = (options.run or 1) - 1, options.rate is None
-    told = table.said_rate or UNSAID
+    told = table.said_rate or _rate_of_steps(table) or UNSAID
     if options.rate is None and (held := _nameless(table)):
         return [{"columns": held[0].columns, "run": None}]
     for rate, runs in ((options.rate, runs_of(table, timed)), (told, runs_of(table, False) if timed else [])):
@@ -121,6 +125,19 @@ def _others(table: Table, options: ReadOptions) -> list[dict[str, Any]]:
             said = {} if rate is None else {"rate": rate}
             return [{"columns": one.columns, "run": None, **said} for one in runs[run][:_MOST_CHOICES]]
     return []
+
+
+def _rate_of_steps(table: Table) -> float | None:
+    """Hz, where a column holds the time from row to row and that is always the same; None for any other table."""
+    for i, name in enumerate(table.names):
+        if not _STEP_TIME.match(name.lower()):
+            continue
+        with suppress(InputError):
+            steps = table.columns([i])[0]
+            unit = table.units.get(i) or (unit_ending(name, "t") or ("t", "s"))[1]
+            if steps.size and steps[0] > 0.0 and np.all(steps == steps[0]) and is_unit_of("t", unit):
+                return 1.0 / (float(steps[0]) * parse_unit("", "t", unit).factor)
+    return None
 
 
 def _by_names(table: Table, rate: float | None) -> Chosen | None:

@@ -312,6 +312,13 @@ def test_registers_in_hexadecimal_are_whole_numbers(tmp_path: Path) -> None:
     np.testing.assert_allclose(read_recording(path)["x"], 1e-3 * steps, rtol=1e-9)
 
 
+@pytest.mark.parametrize(("header", "step"), [("dt_ms", 10.0), ("dt [s]", 0.01), ("delta_t_us", 1e4)])
+def test_a_column_of_equal_steps_gives_the_rate_of_the_line_to_paste(tmp_path: Path, header: str, step: float) -> None:
+    path = written(tmp_path / "a.csv", f"{header},pos_mm", np.full(T.size, step), 1e3 * X)
+    with pytest.raises(InputError, match=r"--rate 100(?!\d)"):
+        read_recording(path)
+
+
 def test_an_encoder_that_shows_fractions_may_be_one_of_a_length(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"x=encoder\[mm\]"):
         read_recording(written(tmp_path / "a.csv", "time [s],encoder", T, 1e3 * X + 0.25))
