@@ -339,13 +339,24 @@ def _sized(design: Design) -> bool:
 
 
 def _shaped(design: Design) -> list[bool]:
-    """Of each that was named whether its speed, wave or exponent is known, by two errors of it.
+    """Of each that was named whether it has a shape: at the least speed, wave or exponent that is tried, this by two
+    errors of it, or else its size and the joint's Coulomb friction beside it.
 
-    With any a wave is a slope, and a power of the speed Coulomb friction, which loses its own number to it.
+    The least wave is a slope, and the least power of the speed Coulomb friction, which loses its number to it.
     """
     errors = np.sqrt(np.diag(design.covariance()))
-    every = zip(design.named, design.places, strict=True)
-    return [one.candidate.among is None or 2.0 * float(errors[at][-1]) < one.value for one, at in every]
+    sure = np.abs(design.numbers) > 2.0 * errors
+
+    def told(one: Named, at: slice) -> bool:
+        if one.candidate.among is None or one.candidate.joint is None:
+            return True
+        shape, coulomb = at.stop - 1, design.base[one.candidate.joint].start
+        stays = bool(sure[coulomb]) and float(design.numbers[coulomb]) > 0.0
+        inside = one.value > one.candidate.among.values[0] * (1.0 + _STEADY)
+        known = 2.0 * float(errors[shape]) < one.value
+        return inside or known or (stays and bool(np.any(sure[at.start : shape])))
+
+    return [told(one, at) for one, at in zip(design.named, design.places, strict=True)]
 
 
 def _within_reach(design: Design) -> bool:
