@@ -36,6 +36,7 @@ def speed_level(number: int, v: float, theta: FloatArray, o: int, out: FloatArra
     _friction_drift,
     _friction_drift_free,
     _normal_load_variation,
+    _normal_load_variation_free,
     _tabulated_friction_position,
     _given_friction,
 ) = laws(
@@ -48,6 +49,7 @@ def speed_level(number: int, v: float, theta: FloatArray, o: int, out: FloatArra
     "friction-drift",
     "friction-drift:free",
     "normal-load-variation",
+    "normal-load-variation:free",
     "tabulated-friction:position",
     "given-friction",
 )
@@ -73,8 +75,10 @@ def modulation(number: int, x: float, v: float, t: float, theta: FloatArray, o: 
     elif number == 7:
         _normal_load_variation(x, v, t, theta, o, out)
     elif number == 8:
-        _tabulated_friction_position(x, v, theta, o, out)
+        _normal_load_variation_free(x, v, t, theta, o, out)
     elif number == 9:
+        _tabulated_friction_position(x, v, theta, o, out)
+    elif number == 10:
         _given_friction(x, v, t, theta, o, out)
 
 

@@ -36,7 +36,9 @@ def _catalogue() -> dict[str, Term]:
 _BY_KEY = _catalogue()
 TERMS: tuple[Term, ...] = tuple(_BY_KEY.values())
 NAMED: tuple[Term, ...] = tuple(t for t in TERMS if t.searched)
-"""Those that are looked for; the others are tables, for what has no name, and laws whose form is freed."""
+"""Those that are looked for; the others are tables, for what has no name, and most laws whose form is freed."""
+USUAL: tuple[Term, ...] = tuple(t for t in NAMED if not t.frees)
+"""Those in the catalogue's own form: what a name takes of a misfit that nothing explains is told by these."""
 
 
 def forms_of(key: str) -> tuple[Term, ...]:

@@ -272,18 +272,33 @@ _FLAT = 1e-10
 
 def of_series(v: FloatArray, friction: FloatArray, units: tuple[str, str]) -> FrictionCurve | None:
     """The curve of friction (m,) that was found at speeds (m,), in the order of time; None of too few speeds."""
-    block = (np.arange(v.size) * _TIMES) // max(v.size, 1)
-    if (speeds := knots(v, block)) is None:
+    if (speeds := knots(v, _in_time(v.size))) is None:
         return None
-    columns = splines(v, np.sign(v), speeds)
+    values, spread = _by_blocks(splines(v, np.sign(v), speeds), friction)
+    # a line by the samples themselves: beyond the last knot a curve goes on as what is noise beside it
+    by = np.column_stack((np.sign(v), v, np.ones_like(v)))
+    return curve(speeds, values, spread, v, _TIMES - 1, units, lambda asked: _by_blocks(by[:, [*asked, 2]], friction))
+
+
+def _in_time(count: int) -> IntArray:
+    """The number (m,) of the block of each of so many values."""
+    return (np.arange(count) * _TIMES) // max(count, 1)
+
+
+def _by_blocks(columns: FloatArray, friction: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Numbers (p,) of columns (m, p), in the order of time, and their covariance as blocks of time scatter."""
+    block = _in_time(friction.size)
     normal = np.stack([columns[block == b].T @ columns[block == b] for b in range(_TIMES)])
     pull = np.stack([columns[block == b].T @ friction[block == b] for b in range(_TIMES)])
     whole = normal.sum(axis=0)
     rest = _FLAT * float(np.trace(whole)) * np.eye(whole.shape[0])
     values = np.linalg.solve(whole + rest, pull.sum(axis=0))
     noise = float(np.mean((friction - columns @ values) ** 2))
-    spread = widened(noise * np.linalg.inv(whole + rest), drawn(normal, pull, rest))
-    return curve(speeds, values, spread, v, _TIMES - 1, units)
+    return values, widened(noise * np.linalg.inv(whole + rest), drawn(normal, pull, rest))
+
+
+Lines = Callable[[list[int]], tuple[FloatArray, FloatArray]]
+"""From which of Coulomb (0) and viscous friction (1) are fitted to these, a constant last, and their covariance."""
 
 
 def curve(
@@ -293,16 +308,16 @@ def curve(
     v: FloatArray,
     freedom: int,
     units: tuple[str, str],
+    lines: Lines | None = None,
 ) -> FrictionCurve:
     """A curve of what was fitted. speeds (k,) : knots. values (2 k,) : of splines. v (m,) : speeds that occur.
 
-    freedom : of the errors. units : of Coulomb and viscous friction.
+    freedom : of the errors. units : of Coulomb and viscous friction. lines : how its line is fitted, by default to the
+    curve at the speeds that occur.
     """
     from scipy.special import chdtrc, stdtrit
 
     every = np.concatenate((-speeds[::-1], speeds))
-    columns = np.column_stack((np.sign(v), v, np.ones_like(v)))
-    occur = splines(v, np.sign(v), speeds)
     odd = np.hstack((-np.eye(speeds.size)[::-1], np.eye(speeds.size))) / 2.0
     even = np.abs(odd)
     sure = 1.0 / np.maximum(np.diag(even @ covariance @ even.T), 1e-300)
@@ -318,21 +333,30 @@ def curve(
     )
     return FrictionCurve(
         every, friction, friction - wide, friction + wide, error, units[0],
-        _line(columns, occur, friction, spread, units),
+        _line(lines or _along(splines(v, np.sign(v), speeds) @ centred, v, values, covariance), units),
         laws(speeds, odd @ values, odd @ covariance @ odd.T, v.size, units), float(chance),
     )  # fmt: skip
 
 
-def _line(
-    columns: FloatArray, occur: FloatArray, friction: FloatArray, spread: FloatArray, units: tuple[str, str]
-) -> tuple[Quantity, Quantity]:
+def _along(occur: FloatArray, v: FloatArray, values: FloatArray, covariance: FloatArray) -> Lines:
+    """Lines along a curve. occur (m, 2 k) : shares of its values in friction at the speeds (m,) that occur."""
+    columns = np.column_stack((np.sign(v), v, np.ones_like(v)))
+
+    def along(asked: list[int]) -> tuple[FloatArray, FloatArray]:
+        solved = np.linalg.lstsq(columns[:, [*asked, 2]], occur, rcond=None)[0]
+        return solved @ values, solved @ covariance @ solved.T
+
+    return along
+
+
+def _line(lines: Lines, units: tuple[str, str]) -> tuple[Quantity, Quantity]:
     """Coulomb and viscous friction; where one is not surely above none the other alone: no model takes less."""
     found, errors = np.zeros(2), np.full(2, math.inf)
     asked = [0, 1]
     while asked:
-        solved = np.linalg.lstsq(columns[:, [*asked, 2]], occur, rcond=None)[0][:-1]
+        fitted, spread = lines(asked)
         found[:], errors[:] = 0.0, math.inf
-        found[asked], errors[asked] = solved @ friction, np.sqrt(np.maximum(np.diag(solved @ spread @ solved.T), 0.0))
+        found[asked], errors[asked] = fitted[:-1], np.sqrt(np.maximum(np.diag(spread)[:-1], 0.0))
         unsure = next((i for i in reversed(asked) if found[i] < _SURE * errors[i]), None)
         if unsure is None or len(asked) == 1:
             break

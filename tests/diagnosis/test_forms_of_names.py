@@ -49,12 +49,12 @@ def test_a_spring_that_relaxes_at_once_and_slowly_is_one_viscoelastic_spring() -
     assert names(seen(np.array(x), 1e-5)) == ["viscoelastic"]
 
 
-def test_a_spring_across_a_weight_loads_its_guide_as_both_add_up_at_right_angles() -> None:
-    """1 kg on 60 N/m; the guide bears 20 N of weight and, across it, the spring: friction of .015 of both."""
+def rubbed(friction: Callable[[float, float], float]) -> FloatArray:
+    """1 kg on 60 N/m with 0.15 N s/m, let go at 1 m, under a friction, N, of t and x; from one turning point on."""
 
     def law(t: float, state: FloatArray, way: float) -> list[float]:
         x, v = state
-        return [v, -60.0 * x - 0.15 * v - way * 0.015 * math.hypot(20.0, 60.0 * x)]
+        return [v, -60.0 * x - 0.15 * v - way * friction(t, x)]
 
     def turns(t: float, state: FloatArray, way: float) -> float:
         return way * float(state[1])
@@ -66,11 +66,35 @@ def test_a_spring_across_a_weight_loads_its_guide_as_both_add_up_at_right_angles
         within = (t <= T) & (run.t[-1] >= T)
         x[within] = run.sol(T[within])[0]
         t, state, way = float(run.t[-1]), (float(run.y[0, -1]), 0.0), -way
+    return x
+
+
+def test_a_spring_across_a_weight_loads_its_guide_as_both_add_up_at_right_angles() -> None:
+    """The guide bears 20 N of weight and, across it, the spring: friction of .015 of both."""
+    x = rubbed(lambda t, x: 0.015 * math.hypot(20.0, 60.0 * x))
     found = harness.diagnose(seen(x, 1e-4), restoring="spring", zero="spring", engines=())
     (one,) = found.mechanisms
     assert (found.verdict, one.name) == ("missing_physics", "load-dependent-friction")
     assert one.parameters["gain_2"].value == pytest.approx((60.0 / 20.0) ** 2, rel=0.05)
     assert found.refined.parameters["x_k"].value == pytest.approx(0.015 * 20.0 / 60.0, rel=0.02)
+
+
+def test_friction_that_wears_off_ever_more_slowly_is_no_law_of_the_amplitude() -> None:
+    """From .6 N to .3 N in 1.5 s, as of a guide that warms; a drag follows it more nearly than an even pace does."""
+    x = rubbed(lambda t, x: 0.3 * (1.0 + math.exp(-t / 1.5)))
+    found = harness.diagnose(seen(x, 1e-4), restoring="spring", zero="spring", engines=())
+    assert found.mechanisms[0].name == "friction-drift"
+    slowing = found.mechanisms[0].parameters["slowing"]
+    assert slowing.value == pytest.approx(1.0 / 1.5, rel=0.1)
+
+
+def test_a_load_that_sways_flatter_than_a_cosine_has_one_name() -> None:
+    x = rubbed(lambda t, x: 0.3 * (1.0 + 0.5 * math.tanh(2.0 * math.sin(4.0 * t))))
+    found = harness.diagnose(seen(x, 2e-5), restoring="spring", zero="spring", engines=())
+    (one,) = found.mechanisms
+    assert (found.verdict, one.name) == ("missing_physics", "normal-load-variation")
+    assert one.parameters["Omega"].value == pytest.approx(4.0, rel=2e-3)
+    assert one.parameters["depth"].value == pytest.approx(0.5 * math.tanh(2.0), rel=0.03)
 
 
 C, F_K, K = 0.1, 0.4, 40.0

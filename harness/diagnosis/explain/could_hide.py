@@ -19,7 +19,7 @@ from harness.diagnosis.search.screen import Candidate
 from harness.diagnosis.search.search import Search
 from harness.kernels.solve import Scales
 from harness.model.model import Model, Restoring
-from harness.model.registry import NAMED
+from harness.model.registry import USUAL
 from harness.model.term import Term
 
 _ERRORS = 2.0
@@ -42,7 +42,7 @@ def could_hide(found: Search, scales: Scales) -> tuple[Hidden, ...]:
     if found.by_force:
         each = [_of_fit(one, found.base, found.problem) for one in found.singles if len(one.model.terms) == 1]
     else:
-        laws = tuple(term for term in NAMED if term.amplitude is not None and term.phase is None)
+        laws = tuple(term for term in USUAL if term.amplitude is not None and term.phase is None)
         looked = Look.at(found.base, found.problem, scales, laws).found or ()
         each = [_of_look(one, found.base, found.problem) for one in looked]
     return tuple(one for one in each if one is not None)

@@ -27,7 +27,7 @@ from harness.diagnosis.search.screen import screen
 from harness.diagnosis.stages import Judged
 from harness.kernels.solve import Scales
 from harness.model.model import Model
-from harness.model.registry import NAMED
+from harness.model.registry import USUAL
 from harness.model.term import Spans
 
 _TURNS = 5
@@ -106,7 +106,7 @@ def _forced(base: Fit, singles: Sequence[Fit], problem: Problem, scales: Scales)
 
 def _most_promising(base: Fit, problem: Problem, scales: Scales) -> Fit | None:
     """A fit of the term that promises most where none was worth one."""
-    for candidate in screen(base, problem, evidence(base, problem, scales), scales, NAMED):
+    for candidate in screen(base, problem, evidence(base, problem, scales), scales, USUAL):
         free = free_of(candidate.model, base_of(base.free))
         with suppress(SimulationError):
             return fit(candidate.model, problem, free, scales, 15, thorough=False)

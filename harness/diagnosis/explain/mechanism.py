@@ -20,7 +20,7 @@ from harness.diagnosis.baseline.words import Strokes
 from harness.diagnosis.fit.model_fit import Fit
 from harness.diagnosis.fit.standard_errors import AT_LEAST, base_parameters, plain_parameters, term_parameters
 from harness.diagnosis.grading.clocks import beat, on_the_swing
-from harness.diagnosis.grading.contest import Finalist
+from harness.diagnosis.grading.contest import Finalist, of_search
 from harness.diagnosis.grading.grade import Graded
 from harness.diagnosis.grading.lone import next_best, stand_ins
 from harness.diagnosis.grading.prediction import Predicted
@@ -83,13 +83,16 @@ def left_without(found: Search, index: int) -> Fit:
 
 
 def _alternatives(found: Search, entry: ModelTerm, omega: float) -> tuple[Alternative, ...]:
-    """Names that could stand in a term's place; a clock on the swing follows any other, and comes last."""
-    listed: list[tuple[bool, float, str]] = []
+    """Names that could stand in a term's place, the likeliest first where it is alone; a clock on the swing follows any
+    other, and comes last.
+    """
+    listed: list[tuple[bool, float, float, str]] = []
+    likely = of_search(found) if len(found.chosen.model.terms) == 1 else {}
     rate = beat(found.base, found.problem, omega)
     for name, rival in stand_ins(found, entry):
         clock = any(on_the_swing(e, rate, found.problem.duration) for e in rival.model.terms)
-        listed.append((clock, rival.bic - found.chosen.bic, name))
-    return tuple(Alternative(name, delta) for _, delta, name in sorted(listed)[: MOST_LISTED.count - 1])
+        listed.append((clock, -likely.get((name,), 0.0), rival.bic - found.chosen.bic, name))
+    return tuple(Alternative(name, delta) for *_, delta, name in sorted(listed)[: MOST_LISTED.count - 1])
 
 
 def of_misfit(finalist: Finalist, graded: Graded, base: Fit, problem: Problem) -> Mechanism:

@@ -30,7 +30,7 @@ from harness.diagnosis.search.look import evidence as starting_evidence
 from harness.diagnosis.search.search import freed, under
 from harness.kernels.solve import Scales
 from harness.model.model import Model
-from harness.model.registry import NAMED
+from harness.model.registry import USUAL
 from harness.model.term import Evidence
 
 _FIRST = 4
@@ -129,7 +129,8 @@ def ranked(misfit: Misfit, begun: Sequence[Model] = ()) -> list[Finalist]:
     What explains everything may bend its law; of the part of a misfit that a law takes, the name is all that is said.
     """
     problem, base, scales = misfit.problem, misfit.base, misfit.scales
-    extended = resplit(extend(base, problem, scales, begun=begun).fits, problem, scales)
+    usual = [model for model in begun if model.terms[-1].term in USUAL]
+    extended = resplit(extend(base, problem, scales, USUAL, begun=usual).fits, problem, scales)
     fits = [f for f in extended if f.as_named]
     if not fits:
         return []
@@ -170,7 +171,7 @@ def ranked(misfit: Misfit, begun: Sequence[Model] = ()) -> list[Finalist]:
 def cells_of(seen: Evidence) -> dict[str, float]:
     """Places that each name's parameters are scanned over: its probes, a cosine and a sine counted as one."""
     cells: dict[str, float] = {}
-    for term in NAMED:
+    for term in USUAL:
         probes = len(term.probes(seen)) / (1.0 if term.phase is None else 2.0)
         cells[term.name] = cells.get(term.name, 0.0) + max(probes, 1.0)
     return cells

@@ -28,7 +28,7 @@ from harness.diagnosis.search.look import Recorded, within
 from harness.diagnosis.search.screen import direct, screen
 from harness.kernels.solve import Scales
 from harness.model.model import Model
-from harness.model.registry import NAMED
+from harness.model.registry import USUAL
 from harness.model.term import Evidence, Slot, Term
 
 _PREDICTED = 8
@@ -204,6 +204,6 @@ def whole_in(model: Model, measured: Measured) -> bool:
 def starts(found: Fit, problem: InverseDynamics, scales: Scales) -> list[Model]:
     """The model with one more law each, at its best probes; first those of which no look can tell."""
     evidence = seen_in(found, problem, scales)
-    terms = [term for term in NAMED if sayable(term)]
+    terms = [term for term in USUAL if sayable(term)]
     looked = (*direct(found, problem, evidence, terms), *screen(found, problem, evidence, scales, terms))
     return [candidate.model for candidate in looked]

@@ -1,7 +1,8 @@
 """Forms of laws that have a shape of their own, one number each: tried where a law takes most but not all.
 
 What hides has rarely the catalogue's own formula. Before a second name is added to a first its form is freed, so that
-one effect in another form stays one name.
+one effect in another form stays one name. A change in time that slows down is looked for at once: laws of the amplitude
+of a decay follow it more nearly than a change at an even pace does.
 """
 
 import math
@@ -27,13 +28,14 @@ from harness.model.law import (
     STIFFNESS,
     VALUE,
 )
-from harness.model.term import Extent, FreedFrom, History, Parameter, Probe, States, Term
+from harness.model.term import Evidence, Extent, FreedFrom, History, Parameter, Probe, States, Term
 from harness.model.terms import (
     asymmetric_viscous,
     backlash,
     cubic_stiffness,
     end_stop,
     friction_drift,
+    normal_load_variation,
     power_law_damping,
     presliding,
     quadratic_drag,
@@ -296,6 +298,21 @@ def law_wear(x: float, v: float, t: float, theta: FloatArray, o: int, out: Float
     out[D_PARAMETER + 1] = rate * by_b
 
 
+def law_swaying(x: float, v: float, t: float, theta: FloatArray, o: int, out: FloatArray) -> None:
+    """Factor 1 + depth cos u sqrt((1 + b)/(1 + b cos^2 u)), u = Omega t + phase, b its flatness: square at large b."""
+    depth, omega, b = theta[o], theta[o + 1], theta[o + 3]
+    u = omega * t + theta[o + 2]
+    c, s, most = math.cos(u), math.sin(u), math.sqrt(1.0 + b)
+    below = math.sqrt(1.0 + b * c * c)
+    steep = -depth * s * most / (below * below * below)
+    out[VALUE] = 1.0 + depth * c * most / below
+    out[D_T] = omega * steep
+    out[D_PARAMETER] = c * most / below
+    out[D_PARAMETER + 1] = t * steep
+    out[D_PARAMETER + 2] = steep
+    out[D_PARAMETER + 3] = 0.5 * depth * c * s * s / (most * below * below * below)
+
+
 def _of(law: Term, form: Callable[..., None], shape: Parameter, starts: FreedFrom, **other: Any) -> Term:
     """The entry of a law whose form is freed."""
     variant = other.pop("variant", f"{law.variant}-free" if law.variant else "free")
@@ -303,7 +320,8 @@ def _of(law: Term, form: Callable[..., None], shape: Parameter, starts: FreedFro
     said: dict[str, Any] = {name: getattr(law, name) for name in kept} | other
     said["parameters"] = (*said["parameters"], shape)
     said["sentence"] = f"{said.get('sentence', law.sentence[:-1])}, {shape.name} = {{{shape.name}}}."
-    return Term(**said, law=form, variant=variant, searched=False, frees=law.key, freed=starts, order=law.order + 1)
+    said.setdefault("searched", False)
+    return Term(**said, law=form, variant=variant, frees=law.key, freed=starts, order=law.order + 1)
 
 
 def _from(*shapes: float) -> FreedFrom:
@@ -362,6 +380,11 @@ def _in_the_middle(values: Probe, extent: Extent) -> bool:
 def _slowing(values: Probe, span: float, speed: float) -> list[Probe]:
     """At the same pace all along, and three times as fast at first."""
     return [(*values, 0.0), (3.0 * values[0], 3.0 / span)]
+
+
+def _slowed(seen: Evidence) -> list[Probe]:
+    """By the end of the recording, and well before it: a law of the amplitude follows these, and not an even pace."""
+    return [(0.0, pace / seen.duration) for pace in (1.5, 5.0)]
 
 
 def _stop(stop: Term, form: Callable[..., None]) -> Term:
@@ -445,5 +468,16 @@ HARDENING = _of(
 STOP = _stop(end_stop.TERM, law_stop_both)
 STOP_POSITIVE = _stop(end_stop.TERM_POSITIVE, law_stop)
 STOP_NEGATIVE = _stop(end_stop.TERM_NEGATIVE, law_stop_negative)
-WARMING = _of(stiffness_drift.TERM, law_warming, Parameter("slowing", "1/s"), _slowing, example=(-0.1, 0.3))
-WEAR = _of(friction_drift.TERM, law_wear, Parameter("slowing", "1/s"), _slowing, example=(-0.2, 0.3))
+WARMING = _of(
+    stiffness_drift.TERM, law_warming, Parameter("slowing", "1/s"), _slowing, example=(-0.1, 0.3),
+    searched=True, probes=_slowed, amplitude=0,
+)  # fmt: skip
+WEAR = _of(
+    friction_drift.TERM, law_wear, Parameter("slowing", "1/s"), _slowing, example=(-0.2, 0.3),
+    searched=True, probes=_slowed, amplitude=0,
+)  # fmt: skip
+SWAYING = _of(
+    normal_load_variation.TERM, law_swaying, Parameter("flatness", "1", 0.0, 1e3), _from(1.0),
+    example=(0.3, 7.0, 0.2, 1.5),
+    sentence="The normal load varies at {Omega}, flatter than a cosine, and friction with it by a fraction {depth}",
+)  # fmt: skip
