@@ -210,9 +210,19 @@ def _idle(term: Term, x: FloatArray, v: FloatArray) -> ModelTerm:
             values[known.fast] = (1.0 + _MARGIN) * float(np.max(np.abs(v)))
             values[known.reach] = (1.0 + _MARGIN) * float(np.max(known.out(tuple(values), x, v)))
     else:
-        fastest = {"|v|": np.abs(v), "v": v, "-v": -v}[known.of]
-        values[known.high] = (1.0 + _MARGIN) * float(np.max(fastest))
+        values[known.high] = (1.0 + _MARGIN) * float(np.max(_speeds(known.of, v)))
     return ModelTerm(term, tuple(values))
+
+
+def _speeds(of: str, v: FloatArray) -> FloatArray:
+    """What a table of "|v|", "v" or "-v" is over."""
+    return {"|v|": np.abs(v), "v": v, "-v": -v}[of]
+
+
+def is_swept(rung: Rung, v: FloatArray) -> bool:
+    """Whether a motion of speeds v (n,) has any of each table's direction."""
+    sides = [t.known.of for t in rung.terms if t.known is not None and not t.known.of.startswith("x")]
+    return all(float(np.max(_speeds(of, v))) > 0.0 for of in sides)
 
 
 def _gauges(

@@ -28,7 +28,7 @@ from harness.diagnosis.problems.inverse import InverseDynamics
 from harness.diagnosis.problems.measured import Measured
 from harness.diagnosis.problems.simulated import COARSE, FINE, observe
 from harness.diagnosis.rules import PATH_AGAIN, PATH_APART, TABLE_BETTER, TABLE_ERRORS, TABLE_WORDS
-from harness.diagnosis.tables.basis import RUNGS, Basis, Rung, basis_of, over_plane
+from harness.diagnosis.tables.basis import RUNGS, Basis, Rung, basis_of, is_swept, over_plane
 from harness.diagnosis.tables.fitted import FIRST, Look, TableFit, minimised, strength_by_blocks
 from harness.kernels.solve import Effort, Scales
 from harness.model.model import Model
@@ -90,14 +90,18 @@ class Beside(ABC):
         """What a model misses of blocks left out; refitted : to what is kept, which may raise SimulationError."""
 
     def fitted(self, rung: Rung) -> TableFit | None:
-        """A rung, as smooth as blocks of strokes say; None where it cannot be simulated."""
+        """A rung, as smooth as blocks of strokes say; None where it cannot be simulated, or is of a direction in which
+        nothing moves."""
         model = self.model
         if any(term.slot is Slot.FRICTION_MODULATION for term in rung.terms):
             model = with_friction(model, self.base, self.scales) or model
             if model.f_k <= 0.0:
                 return None
         with suppress(SimulationError):
-            basis = basis_of(rung, model, self.base, *self.path(model), self.scales)
+            x, v = self.path(model)
+            if not is_swept(rung, v):
+                return None
+            basis = basis_of(rung, model, self.base, x, v, self.scales)
             # the terms of the model move with the base; of the tables only what the gauge leaves
             free, seeing, at = free_of(model, self.base), self.seeing(basis), np.zeros(basis.free.shape[1])
             found = minimised(basis, basis.model, at, free, seeing(basis.model, free, None, COARSE), FIRST)
