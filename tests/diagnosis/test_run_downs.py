@@ -192,3 +192,16 @@ def test_run_downs_of_one_direction_share_their_friction_and_say_what_that_holds
     swing = Recording(T, {"v": np.exp(-0.1 * T) * np.cos(4.0 * T)}, file="swing.csv", angular=True)
     with pytest.raises(InputError, match=r"swing\.csv"):
         harness.diagnose([each[0], swing])
+
+
+def test_which_way_it_runs_down_says_nothing_of_a_force_of_no_name() -> None:
+    """Dry friction with a hump at one speed: nothing moves the other way, whichever that is."""
+    t, v = T[:400:4], [12.0]
+    for _ in t[1:]:
+        pulled = 0.8 + 0.05 * v[-1] + 0.6 * math.exp(-(((v[-1] - 6.0) / 1.5) ** 2))
+        v.append(max(v[-1] - pulled * float(t[1] - t[0]), 0.0))
+    forwards = told(t, v=np.array(v))
+    backwards = replace(forwards, channels={"v": -forwards["v"]})
+    found, mirrored = (harness.diagnose(one, engines=()) for one in (forwards, backwards))
+    assert found.verdict == mirrored.verdict
+    assert [m.name for m in found.mechanisms] == [m.name for m in mirrored.mechanisms]

@@ -34,8 +34,14 @@ _LINE = 3
 """Samples that a slope needs."""
 
 
-def patient(effort: Effort) -> Effort:
-    """With as many steps as what repeats with the place may take."""
+def patient(effort: Effort, model: Model) -> Effort:
+    """With as many steps as what repeats with the place, or in time, or is a table may take.
+
+    Others take so many only where they cannot be followed.
+    """
+    laws = [entry.term for entry in model.terms]
+    if not any(law.known is not None or any(p.repeats for p in law.parameters) for law in laws):
+        return effort
     return replace(effort, steps_per_cycle=_PATIENT * effort.steps_per_cycle)
 
 
@@ -71,8 +77,8 @@ class RunDown(Problem):
     returns: ClassVar[bool] = False
 
     def shows(self, model: Model, by: tuple[By, ...], scales: Scales | None, effort: Effort) -> Observation:
-        """By simulation, in as many steps as what repeats with the place may take."""
-        return observe(model, self, by, scales, patient(effort))
+        """By simulation; see ``patient``."""
+        return observe(model, self, by, scales, patient(effort, model))
 
     @property
     def scales(self) -> Scales:

@@ -236,7 +236,7 @@ class RunDownsTogether(Together):
 
     def shows(self, model: Model, by: tuple[By, ...], scales: Scales | None, effort: Effort) -> Observation:
         """By simulation, as of one."""
-        return observe(model, self, by, scales, patient(effort))
+        return observe(model, self, by, scales, patient(effort, model))
 
     @property
     def both_ways(self) -> bool:
